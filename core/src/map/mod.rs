@@ -1,5 +1,9 @@
 //! What a survey measured: magnetic layers, compass deviation, surveyed routes, radio transmitters.
 
+mod index;
+
+pub use index::FloorIndex;
+
 use serde::{Deserialize, Serialize};
 
 use crate::floor_plan::FloorPlan;

@@ -1,0 +1,277 @@
+//! Which way is up, and how the device has turned: low-pass gravity and the gyroscope-aided level frame.
+//!
+//! The *level frame* has z up and a yaw that is fixed by where the device pointed when it was first seen; a heading
+//! in it is clockwise from its y. Magnetic north is found elsewhere: nothing here reads a compass while there is a
+//! gyroscope.
+
+use serde::{Deserialize, Serialize};
+
+use crate::time::Timestamp;
+
+/// Standard gravity, in m/s².
+pub const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
+
+/// A first-order low-pass over a vector: `y_i = a·x_i + (1 − a)·y_{i−1}`.
+///
+/// # Source
+/// Kwak 2018, Eq. 1. The paper does not give `a`; here it follows from a cut-off and the sampling interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct VectorLowPass {
+    output: Option<[f32; 3]>,
+}
+
+impl VectorLowPass {
+    /// Feeds `input` with smoothing factor `a` in [0, 1] and returns the output; the first input passes unchanged.
+    pub fn update(&mut self, input: [f32; 3], a: f32) -> [f32; 3] {
+        let output = match self.output {
+            None => input,
+            Some(y) => [0, 1, 2].map(|c| a * input[c] + (1.0 - a) * y[c]),
+        };
+        self.output = Some(output);
+        output
+    }
+
+    /// The output, once there has been an input.
+    pub fn output(&self) -> Option<[f32; 3]> {
+        self.output
+    }
+}
+
+/// Parameters of [`LevelEstimator`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelParams {
+    /// Rate at which the specific force corrects the tilt, in 1/s; default 0.5 (time constant 2 s: four steps).
+    pub tilt_gain_hz: f32,
+    /// The same while there is no gyroscope; default 2.
+    pub tilt_gain_without_gyroscope_hz: f32,
+    /// Rate at which the compass corrects the yaw while there is no gyroscope, in 1/s; default 3.
+    pub yaw_gain_without_gyroscope_hz: f32,
+    /// A gyroscope silent for longer than this is missing, in seconds; default 0.25.
+    pub gyroscope_timeout_s: f64,
+}
+
+impl Default for LevelParams {
+    fn default() -> Self {
+        Self {
+            tilt_gain_hz: 0.5,
+            tilt_gain_without_gyroscope_hz: 2.0,
+            yaw_gain_without_gyroscope_hz: 3.0,
+            gyroscope_timeout_s: 0.25,
+        }
+    }
+}
+
+/// Keeps the rotation from the device frame into the level frame.
+///
+/// The gyroscope turns it, the specific force pulls its z back to the vertical (a complementary filter on the unit
+/// quaternion). Without a gyroscope the compass pulls the yaw, and the level frame's y is magnetic north.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelEstimator {
+    params: LevelParams,
+    /// Unit quaternion `[w, x, y, z]`, level from device.
+    level_from_device: Option<[f64; 4]>,
+    last_gyroscope: Option<Timestamp>,
+    last_force: Option<Timestamp>,
+}
+
+impl LevelEstimator {
+    /// An estimator that has seen nothing.
+    pub fn new(params: LevelParams) -> Self {
+        Self { params, level_from_device: None, last_gyroscope: None, last_force: None }
+    }
+
+    /// Turns the frame by `rate_rad_s` since the last call.
+    pub fn push_angular_rate(&mut self, time: Timestamp, rate_rad_s: [f32; 3]) {
+        if let (Some(q), Some(last)) = (self.level_from_device, self.last_gyroscope) {
+            let dt_s = time.secs_since(last);
+            if dt_s > 0.0 && dt_s < self.params.gyroscope_timeout_s {
+                self.level_from_device = Some(turned(q, rate_rad_s.map(f64::from), dt_s));
+            }
+        }
+        self.last_gyroscope = Some(time);
+    }
+
+    /// Pulls the frame's vertical towards the specific force and returns the force in the level frame, in m/s².
+    pub fn push_specific_force(&mut self, time: Timestamp, force_m_s2: [f32; 3]) -> [f32; 3] {
+        let force = force_m_s2.map(f64::from);
+        let norm = (force[0] * force[0] + force[1] * force[1] + force[2] * force[2]).sqrt();
+        if norm < 1.0 {
+            // Free fall says nothing about the vertical.
+            return self.to_level(force_m_s2).unwrap_or(force_m_s2);
+        }
+        let up = force.map(|c| c / norm);
+        let Some(q) = self.level_from_device else {
+            self.level_from_device = Some(upright(up));
+            self.last_force = Some(time);
+            return self.to_level(force_m_s2).unwrap_or(force_m_s2);
+        };
+        let dt_s = self.last_force.map_or(0.0, |last| time.secs_since(last)).clamp(0.0, 0.2);
+        self.last_force = Some(time);
+        let gain_hz = if self.has_gyroscope(time) {
+            self.params.tilt_gain_hz
+        } else {
+            self.params.tilt_gain_without_gyroscope_hz
+        };
+        let estimated_up = rotate_back(q, [0.0, 0.0, 1.0]);
+        // Turning the frame about measured × estimated brings the estimate to the measurement.
+        let correction = cross(up, estimated_up).map(|c| c * f64::from(gain_hz));
+        self.level_from_device = Some(turned(q, correction, dt_s));
+        self.to_level(force_m_s2).unwrap_or(force_m_s2)
+    }
+
+    /// Without a gyroscope, pulls the frame's y towards magnetic north; with one, does nothing.
+    ///
+    /// `dt_s` is the time since the last field.
+    pub fn push_field(&mut self, time: Timestamp, field_ut: [f32; 3], dt_s: f64) {
+        if self.has_gyroscope(time) {
+            return;
+        }
+        let (Some(q), Some(level)) = (self.level_from_device, self.to_level(field_ut)) else { return };
+        let north_heading_rad = libm::atan2(f64::from(level[0]), f64::from(level[1]));
+        let up_in_device = rotate_back(q, [0.0, 0.0, 1.0]);
+        // Turning the device anticlockwise by the field's clockwise heading would bring the field to +y.
+        let rate = f64::from(self.params.yaw_gain_without_gyroscope_hz) * north_heading_rad;
+        self.level_from_device = Some(turned(q, up_in_device.map(|c| c * rate), dt_s.clamp(0.0, 0.2)));
+    }
+
+    /// Whether a gyroscope was heard recently.
+    pub fn has_gyroscope(&self, now: Timestamp) -> bool {
+        self.last_gyroscope.is_some_and(|last| now.secs_since(last) <= self.params.gyroscope_timeout_s)
+    }
+
+    /// `vector` of the device frame, in the level frame; nothing before the first specific force.
+    pub fn to_level(&self, vector: [f32; 3]) -> Option<[f32; 3]> {
+        self.level_from_device.map(|q| rotate(q, vector.map(f64::from)).map(|c| c as f32))
+    }
+
+    /// The device's forward axis (top edge; the back of the screen when the top points up or down), in the level
+    /// frame, projected on the horizontal and of unit length.
+    pub fn forward(&self) -> Option<[f32; 2]> {
+        let q = self.level_from_device?;
+        let top = rotate(q, [0.0, 1.0, 0.0]);
+        let forward = if top[2].abs() < 0.85 { top } else { rotate(q, [0.0, 0.0, -1.0]) };
+        let norm = (forward[0] * forward[0] + forward[1] * forward[1]).sqrt();
+        (norm > 1e-6).then(|| [(forward[0] / norm) as f32, (forward[1] / norm) as f32])
+    }
+}
+
+/// The rotation that takes the device's `up` to z and keeps its y axis (else its -z) towards the level y.
+fn upright(up: [f64; 3]) -> [f64; 4] {
+    let top = if up[1].abs() < 0.85 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, -1.0] };
+    let right = normalised(cross(top, up));
+    let forward = cross(up, right);
+    // Rows of the rotation matrix: the level axes in the device frame.
+    quaternion_of_rows(right, forward, up)
+}
+
+fn quaternion_of_rows(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> [f64; 4] {
+    let rotation = nalgebra::Matrix3::new(x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]);
+    let q = nalgebra::UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(rotation));
+    [q.w, q.i, q.j, q.k]
+}
+
+/// `q` after the device has turned at `rate_rad_s` (device frame) for `dt_s`: second-order, renormalised.
+fn turned(q: [f64; 4], rate_rad_s: [f64; 3], dt_s: f64) -> [f64; 4] {
+    let half = rate_rad_s.map(|c| 0.5 * c * dt_s);
+    let square = half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
+    // cos x ≈ 1 − x²/2 + x⁴/24 and sin x / x ≈ 1 − x²/6 + x⁴/120: exact to 1e-8 below half a radian.
+    let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0));
+    let sinc = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0));
+    let r = [cos, half[0] * sinc, half[1] * sinc, half[2] * sinc];
+    let product = [
+        q[0] * r[0] - q[1] * r[1] - q[2] * r[2] - q[3] * r[3],
+        q[0] * r[1] + q[1] * r[0] + q[2] * r[3] - q[3] * r[2],
+        q[0] * r[2] - q[1] * r[3] + q[2] * r[0] + q[3] * r[1],
+        q[0] * r[3] + q[1] * r[2] - q[2] * r[1] + q[3] * r[0],
+    ];
+    let norm = product.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if norm > 0.5 && norm.is_finite() { product.map(|c| c / norm) } else { q }
+}
+
+fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let u = [q[1], q[2], q[3]];
+    let t = cross(u, v).map(|c| 2.0 * c);
+    let s = cross(u, t);
+    [0, 1, 2].map(|c| v[c] + q[0] * t[c] + s[c])
+}
+
+fn rotate_back(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    rotate([q[0], -q[1], -q[2], -q[3]], v)
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn normalised(v: [f64; 3]) -> [f64; 3] {
+    let norm = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|c| c / norm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f32::consts::FRAC_PI_2;
+
+    #[test]
+    fn kwak_equation_1_by_hand() {
+        let mut low_pass = VectorLowPass::default();
+        assert_eq!(low_pass.update([1.0, 2.0, 4.0], 0.25), [1.0, 2.0, 4.0]);
+        // 0.25·5 + 0.75·1 = 2
+        assert_eq!(low_pass.update([5.0, 2.0, 0.0], 0.25), [2.0, 2.0, 3.0]);
+    }
+
+    fn held(params: LevelParams, force: [f32; 3], rate: [f32; 3], seconds: f64) -> LevelEstimator {
+        let mut level = LevelEstimator::new(params);
+        for k in 0..=(seconds * 100.0) as i64 {
+            let time = Timestamp::from_millis(10 * k);
+            level.push_angular_rate(time, rate);
+            level.push_specific_force(time, force);
+        }
+        level
+    }
+
+    #[test]
+    fn a_quarter_turn_clockwise_is_heading_east() {
+        // Flat on a turntable: clockwise seen from above is a negative rate about z.
+        let level = held(LevelParams::default(), [0.0, 0.0, 9.81], [0.0, 0.0, -FRAC_PI_2], 1.0);
+        let forward = level.forward().unwrap();
+        assert!((forward[0] - 1.0).abs() < 1e-3 && forward[1].abs() < 1e-3, "{forward:?}");
+    }
+
+    #[test]
+    fn a_tilted_phone_still_sees_the_vertical() {
+        let (sin, cos) = (0.6f32, 0.8f32);
+        let level = held(LevelParams::default(), [0.0, 9.81 * sin, 9.81 * cos], [0.0; 3], 1.0);
+        let force = level.to_level([0.0, 9.81 * sin, 9.81 * cos]).unwrap();
+        assert!(force[0].abs() < 1e-3 && force[1].abs() < 1e-3 && (force[2] - 9.81).abs() < 1e-3);
+        assert_eq!(level.forward().map(|f| f.map(f32::round)), Some([0.0, 1.0]));
+    }
+
+    #[test]
+    fn a_wrong_vertical_is_pulled_back() {
+        let mut level = LevelEstimator::new(LevelParams::default());
+        level.push_specific_force(Timestamp::from_millis(0), [9.81, 0.0, 0.0]);
+        for k in 1..2_000 {
+            let time = Timestamp::from_millis(10 * k);
+            level.push_angular_rate(time, [0.0; 3]);
+            level.push_specific_force(time, [0.0, 0.0, 9.81]);
+        }
+        let up = level.to_level([0.0, 0.0, 1.0]).unwrap();
+        assert!(up[2] > 0.999, "{up:?}");
+    }
+
+    #[test]
+    fn without_a_gyroscope_the_compass_sets_the_yaw() {
+        let mut level = LevelEstimator::new(LevelParams::default());
+        // The device points east: north is to its left (-x).
+        let field = [-20.0, 0.0, -40.0];
+        for k in 0..500 {
+            let time = Timestamp::from_millis(20 * k);
+            level.push_specific_force(time, [0.0, 0.0, 9.81]);
+            level.push_field(time, field, 0.02);
+        }
+        let forward = level.forward().unwrap();
+        assert!(forward[0] > 0.999, "{forward:?}");
+    }
+}

@@ -1,0 +1,3 @@
+//! The magnetic field as a place's mark.
+
+pub mod feature;

@@ -1,0 +1,5 @@
+//! Observations: how well each particle's place explains what was sensed, as log-likelihoods.
+
+pub mod field_vector;
+pub mod mass_centered;
+pub mod radio;

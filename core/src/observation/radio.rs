@@ -1,0 +1,93 @@
+//! Radio sightings against the map's transmitters: a weak, heavy-tailed log-distance likelihood.
+
+use serde::{Deserialize, Serialize};
+
+use crate::map::Transmitter;
+use crate::particle::Particles;
+
+/// Parameters of the radio likelihood.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RadioParams {
+    /// The likelihood of all sightings of a step together is raised to this power, in (0, 1].
+    pub tempering: f32,
+    /// Degrees of freedom of the Student-t density of the received power.
+    pub degrees_of_freedom: f32,
+    /// At most this many transmitters a step are used, the strongest first.
+    pub max_transmitters: usize,
+}
+
+impl Default for RadioParams {
+    fn default() -> Self {
+        Self { tempering: 0.1, degrees_of_freedom: 4.0, max_transmitters: 12 }
+    }
+}
+
+/// The mean received power of one known transmitter since the last step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RadioObservation {
+    /// Index of the transmitter in the map.
+    pub transmitter: u32,
+    /// Mean received power, in dBm.
+    pub rssi_dbm: f32,
+}
+
+/// Adds the tempered log-likelihood of `observations` to every particle.
+///
+/// # Source
+/// iBILL 2017, Eq. 1 (log-distance path loss); the Student-t density and the tempering are ours.
+pub fn update(
+    params: &RadioParams,
+    transmitters: &[Transmitter],
+    observations: &[RadioObservation],
+    particles: &mut Particles,
+) {
+    for observation in observations.iter().take(params.max_transmitters) {
+        let Some(transmitter) = transmitters.get(observation.transmitter as usize) else { continue };
+        for i in 0..particles.x_m.len() {
+            particles.log_weight[i] += params.tempering
+                * log_likelihood(
+                    params.degrees_of_freedom,
+                    transmitter,
+                    observation.rssi_dbm,
+                    particles.x_m[i],
+                    particles.y_m[i],
+                );
+        }
+    }
+}
+
+/// Log-density (up to a constant) of hearing `transmitter` at `rssi_dbm` from a place, Student-t about the path loss.
+///
+/// # Source
+/// iBILL 2017, Eq. 1.
+pub fn log_likelihood(nu: f32, transmitter: &Transmitter, rssi_dbm: f32, x_m: f32, y_m: f32) -> f32 {
+    let (dx, dy) = (x_m - transmitter.position.x_m as f32, y_m - transmitter.position.y_m as f32);
+    // Half of 10·log10 of the squared distance; never closer than a metre, where the model ends.
+    let decades_half = libm::log10f((dx * dx + dy * dy).max(1.0));
+    let expected_dbm = transmitter.power_at_1m_dbm as f32 - 5.0 * transmitter.path_loss_exponent as f32 * decades_half;
+    let z = (rssi_dbm - expected_dbm) / transmitter.sigma_db as f32;
+    -0.5 * (nu + 1.0) * libm::logf(1.0 + z * z / nu)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point2;
+    use crate::sensor::TransmitterId;
+
+    #[test]
+    fn path_loss_by_hand() {
+        let transmitter = Transmitter {
+            id: TransmitterId::WifiBssid([1; 6]),
+            position: Point2::new(0.0, 0.0),
+            power_at_1m_dbm: -40.0,
+            path_loss_exponent: 2.0,
+            sigma_db: 5.0,
+            n_sightings: 9,
+        };
+        // At 10 m the model says −60 dBm: no deviation, no penalty.
+        assert!(log_likelihood(4.0, &transmitter, -60.0, 10.0, 0.0).abs() < 1e-6);
+        // At 1 m it says −40: z = −4, −2.5·ln(1 + 16/4) = −4.0236.
+        assert!((log_likelihood(4.0, &transmitter, -60.0, 1.0, 0.0) + 2.5 * libm::logf(5.0)).abs() < 1e-5);
+    }
+}

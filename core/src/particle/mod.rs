@@ -1,0 +1,192 @@
+//! Particles: structure-of-arrays state, resampling, and the estimate that they stand for.
+
+mod estimate;
+
+pub use estimate::{CloudEstimate, EstimateScratch};
+
+use serde::{Deserialize, Serialize};
+
+/// The particles' state, one array a quantity; every array in use has the same length.
+///
+/// Arrays that a system does not use stay empty.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Particles {
+    /// Position along the floor's x, in metres.
+    pub x_m: Vec<f32>,
+    /// Position along the floor's y, in metres.
+    pub y_m: Vec<f32>,
+    /// Heading of the latest move, in radians.
+    pub heading_rad: Vec<f32>,
+    /// Walking direction minus level-frame heading of the device, in radians.
+    pub heading_offset_rad: Vec<f32>,
+    /// This walker's steps over the length model's.
+    pub length_scale: Vec<f32>,
+    /// Gene `p_a`, metres per Hz (Mass-centred 2019, Eq. 13).
+    pub gene_a_m: Vec<f32>,
+    /// Gene `p_b`, in metres.
+    pub gene_b_m: Vec<f32>,
+    /// Mean of the magnetometer's bias in the forward frame, in µT.
+    pub bias_x_ut: Vec<f32>,
+    /// As `bias_x_ut`, along the forward axis.
+    pub bias_y_ut: Vec<f32>,
+    /// As `bias_x_ut`, upward.
+    pub bias_z_ut: Vec<f32>,
+    /// Variance of each component of the bias, in µT².
+    pub bias_variance_ut2: Vec<f32>,
+    /// Latest strength read from the map, in µT; NaN where there was none.
+    pub strength_ut: Vec<f32>,
+    /// The last terms of the mass-centred sum, newest first, in blocks of the window's length.
+    pub delta_errors_ut: Vec<f32>,
+    /// Natural logarithm of the weight; the largest is 0 after normalisation.
+    pub log_weight: Vec<f32>,
+}
+
+/// Memory that one step needs and the next does not remember.
+#[derive(Clone, Debug, Default)]
+pub struct ResampleScratch {
+    ancestors: Vec<u32>,
+    gathered: Vec<f32>,
+}
+
+impl ResampleScratch {
+    /// Room for `n` particles with histories of `window` terms.
+    pub fn with_capacity(n: usize, window: usize) -> Self {
+        Self { ancestors: Vec::with_capacity(n), gathered: Vec::with_capacity(n * window.max(1)) }
+    }
+}
+
+impl Particles {
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.x_m.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.x_m.is_empty()
+    }
+
+    fn arrays(&mut self) -> [&mut Vec<f32>; 14] {
+        let Self {
+            x_m,
+            y_m,
+            heading_rad,
+            heading_offset_rad,
+            length_scale,
+            gene_a_m,
+            gene_b_m,
+            bias_x_ut,
+            bias_y_ut,
+            bias_z_ut,
+            bias_variance_ut2,
+            strength_ut,
+            delta_errors_ut,
+            log_weight,
+        } = self;
+        [
+            x_m,
+            y_m,
+            heading_rad,
+            heading_offset_rad,
+            length_scale,
+            gene_a_m,
+            gene_b_m,
+            bias_x_ut,
+            bias_y_ut,
+            bias_z_ut,
+            bias_variance_ut2,
+            strength_ut,
+            delta_errors_ut,
+            log_weight,
+        ]
+    }
+
+    /// Replaces the particles by a systematic sample of `weights` (not necessarily normalised), offset `u` in [0, 1).
+    ///
+    /// All log weights become 0. Does nothing when the weights sum to zero.
+    pub fn resample_systematic(&mut self, weights: &[f32], u: f32, scratch: &mut ResampleScratch) {
+        let n = self.len();
+        let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+        if n == 0 || weights.len() != n || !(total > 0.0 && total.is_finite()) {
+            return;
+        }
+        let step = total / n as f64;
+        scratch.ancestors.clear();
+        let (mut ancestor, mut reached) = (0, f64::from(weights[0]));
+        for k in 0..n {
+            let target = step * (k as f64 + f64::from(u));
+            while reached < target && ancestor + 1 < n {
+                ancestor += 1;
+                reached += f64::from(weights[ancestor]);
+            }
+            scratch.ancestors.push(ancestor as u32);
+        }
+        for array in self.arrays() {
+            gather(array, n, scratch);
+        }
+        self.log_weight.fill(0.0);
+    }
+}
+
+fn gather(array: &mut Vec<f32>, n: usize, scratch: &mut ResampleScratch) {
+    let block = array.len() / n;
+    match block {
+        0 => return,
+        1 => {
+            scratch.gathered.clear();
+            scratch.gathered.extend(scratch.ancestors.iter().map(|&a| array[a as usize]));
+        }
+        _ => {
+            scratch.gathered.clear();
+            for &a in &scratch.ancestors {
+                scratch.gathered.extend_from_slice(&array[a as usize * block..(a as usize + 1) * block]);
+            }
+        }
+    }
+    array.copy_from_slice(&scratch.gathered);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn cloud(n: usize) -> Particles {
+        Particles {
+            x_m: (0..n).map(|i| i as f32).collect(),
+            y_m: vec![0.0; n],
+            delta_errors_ut: (0..3 * n).map(|i| i as f32).collect(),
+            log_weight: vec![-1.0; n],
+            ..Particles::default()
+        }
+    }
+
+    #[test]
+    fn systematic_resampling_by_hand() {
+        let mut particles = cloud(4);
+        let mut scratch = ResampleScratch::with_capacity(4, 3);
+        // Cumulative 0.1, 0.1, 0.6, 1.0 against targets 0.125, 0.375, 0.625, 0.875.
+        particles.resample_systematic(&[0.1, 0.0, 0.5, 0.4], 0.5, &mut scratch);
+        assert_eq!(particles.x_m, [2.0, 2.0, 3.0, 3.0]);
+        assert_eq!(particles.delta_errors_ut[..6], [6.0, 7.0, 8.0, 6.0, 7.0, 8.0]);
+        assert_eq!(particles.log_weight, [0.0; 4]);
+    }
+
+    proptest! {
+        #[test]
+        fn copies_stay_within_one_of_their_share(
+            weights in proptest::collection::vec(0.0f32..1.0, 2..40), u in 0.0f32..1.0,
+        ) {
+            let n = weights.len();
+            let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+            prop_assume!(total > 1e-3);
+            let mut particles = cloud(n);
+            particles.resample_systematic(&weights, u, &mut ResampleScratch::default());
+            for (i, &weight) in weights.iter().enumerate() {
+                let copies = particles.x_m.iter().filter(|&&x| x == i as f32).count() as f64;
+                let share = n as f64 * f64::from(weight) / total;
+                prop_assert!((copies - share).abs() <= 1.0 + 1e-4);
+            }
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The facade: samples in, fixes out.
+
+mod fix;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+pub use fix::{Fix, Mode};
+
+use crate::geometry::{Point2, wrap_rad};
+use crate::map::FloorIndex;
+use crate::observation::radio::RadioObservation;
+use crate::pedestrian::{Pedestrian, PedestrianParams, StepEvent};
+use crate::reorder::{DEFAULT_REORDER_WINDOW, Rejections, ReorderWindow};
+use crate::sensor::{Reading, Sample, TransmitterId};
+use crate::system::Recipe;
+use crate::time::Timestamp;
+use crate::tracker::{Tracker, TrackerState};
+
+/// Where someone is said to be: a tap on the plan, a QR code, GNSS at the door.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PositionHint {
+    /// The place, in the floor frame.
+    pub point: Point2,
+    /// How far off it may be along each axis, in metres; 0.1 to 1000.
+    pub radius_m: f64,
+    /// The floor's ordinal.
+    pub floor: i32,
+    /// When.
+    pub time: Timestamp,
+}
+
+/// Why a call was refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PositionError {
+    /// The hint names another floor than the map's.
+    WrongFloor {
+        /// The hint's floor.
+        hinted: i32,
+        /// The map's floor.
+        mapped: i32,
+    },
+    /// The hint's point or radius is not finite, not positive, or off the plan by more than the radius.
+    BadHint,
+    /// The asked time is before the last consumed sample.
+    TimeInPast {
+        /// What was asked.
+        asked: Timestamp,
+        /// The last consumed sample.
+        consumed: Timestamp,
+    },
+    /// Nothing is known yet: give a hint, or walk a step.
+    NoFix,
+    /// The snapshot was taken with another recipe, seed or floor.
+    ForeignSnapshot,
+}
+
+impl core::fmt::Display for PositionError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::WrongFloor { hinted, mapped } => {
+                write!(f, "the hint is on floor {hinted}, the map on floor {mapped}: open that floor's map")
+            }
+            Self::BadHint => write!(f, "the hint is not a place on this plan: check its point and radius"),
+            Self::TimeInPast { asked, consumed } => {
+                let behind_ms = (*consumed - *asked).as_nanos() / 1_000_000;
+                write!(f, "asked for a time {behind_ms} ms before the last consumed sample: ask for now or later")
+            }
+            Self::NoFix => write!(f, "no position yet: give a hint, or let the wearer walk a few steps"),
+            Self::ForeignSnapshot => {
+                write!(f, "the snapshot belongs to another system, seed or floor: restore it with those")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PositionError {}
+
+/// All that a [`Positioner`] remembers; restores it to the bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    recipe: Recipe,
+    seed: u64,
+    floor: String,
+    pedestrian: Pedestrian,
+    reorder: ReorderWindow,
+    tracker: TrackerState,
+    progress: Progress,
+}
+
+/// What the facade itself remembers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Progress {
+    last_consumed: Option<Timestamp>,
+    last_step: Option<StepEvent>,
+    hint_time: Option<Timestamp>,
+    heard: Vec<Heard>,
+}
+
+/// Sightings of one known transmitter since the last step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Heard {
+    transmitter: u32,
+    sum_dbm: f32,
+    n: u32,
+}
+
+/// Follows one wearer on one floor.
+///
+/// Time and randomness come in as arguments: the same map, recipe, seed and samples give the same bits, however the
+/// samples are batched.
+#[derive(Clone, Debug)]
+pub struct Positioner {
+    seed: u64,
+    pedestrian: Pedestrian,
+    reorder: ReorderWindow,
+    tracker: Tracker,
+    transmitters: BTreeMap<TransmitterId, u32>,
+    progress: Progress,
+    observations: Vec<RadioObservation>,
+}
+
+impl Positioner {
+    /// A positioner that has seen nothing, on `floor`, running `recipe` with random `seed`.
+    pub fn new(floor: Arc<FloorIndex>, recipe: Recipe, seed: u64) -> Self {
+        let ids = floor.map().transmitters.iter().map(|t| t.id).zip(0u32..);
+        Self {
+            seed,
+            pedestrian: Pedestrian::new(PedestrianParams::default()),
+            reorder: ReorderWindow::new(DEFAULT_REORDER_WINDOW),
+            transmitters: ids.collect(),
+            tracker: Tracker::new(recipe, floor, seed),
+            progress: Progress { heard: Vec::with_capacity(256), ..Progress::default() },
+            observations: Vec::with_capacity(256),
+        }
+    }
+
+    /// Takes a sample in; returns a fix when that completes a step.
+    ///
+    /// Bad samples are counted in [`Positioner::rejections`] and change nothing else.
+    pub fn push(&mut self, sample: Sample) -> Option<Fix> {
+        self.reorder.push(&sample);
+        let mut stepped = false;
+        while let Some(next) = self.reorder.pop() {
+            stepped |= self.consume(&next);
+        }
+        if stepped { self.fix() } else { None }
+    }
+
+    /// Consumes what still waits for late samples: the recording has ended.
+    pub fn flush(&mut self) {
+        while let Some(next) = self.reorder.pop_all() {
+            self.consume(&next);
+        }
+    }
+
+    /// Starts, or starts anew, from a place that somebody knows.
+    ///
+    /// # Errors
+    /// [`PositionError::WrongFloor`] and [`PositionError::BadHint`]; the positioner is unchanged then.
+    pub fn hint(&mut self, hint: PositionHint) -> Result<(), PositionError> {
+        let map = self.tracker.floor().map();
+        if hint.floor != map.ordinal {
+            return Err(PositionError::WrongFloor { hinted: hint.floor, mapped: map.ordinal });
+        }
+        let PositionHint { point, radius_m, .. } = hint;
+        let is_near = |m: f64, extent_m: f64| (-radius_m..=extent_m + radius_m).contains(&m);
+        let is_on_plan = is_near(point.x_m, map.plan.width_m) && is_near(point.y_m, map.plan.height_m);
+        if !(0.1..=1_000.0).contains(&radius_m) || !is_on_plan {
+            return Err(PositionError::BadHint);
+        }
+        self.tracker.place(point, radius_m);
+        self.progress.hint_time = Some(hint.time);
+        self.progress.last_step = None;
+        Ok(())
+    }
+
+    /// The fix at the last consumed sample; nothing before a hint or a first step.
+    pub fn fix(&self) -> Option<Fix> {
+        let now = self.progress.last_consumed.or(self.progress.hint_time)?;
+        self.fix_at(now).ok()
+    }
+
+    /// The fix at `time`, the open step extrapolated; draws nothing and changes nothing.
+    ///
+    /// # Errors
+    /// [`PositionError::TimeInPast`] before the last consumed sample, [`PositionError::NoFix`] before a start.
+    pub fn fix_at(&self, time: Timestamp) -> Result<Fix, PositionError> {
+        if let Some(consumed) = self.progress.last_consumed.filter(|&consumed| time < consumed) {
+            return Err(PositionError::TimeInPast { asked: time, consumed });
+        }
+        let estimate = self.tracker.estimate().ok_or(PositionError::NoFix)?;
+        let turned_rad = self.progress.last_step.map_or(0.0, |step| {
+            wrap_rad(f64::from(self.pedestrian.level_heading_rad()) - f64::from(step.level_heading_rad))
+        });
+        Ok(fix::assemble(&fix::Inputs {
+            map: self.tracker.floor().map(),
+            accuracy: self.tracker.recipe().accuracy,
+            estimate,
+            step_length_m: self.tracker.step_length_m(),
+            last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
+            turned_rad,
+            last_heard: self.progress.last_consumed.or(self.progress.hint_time),
+            time,
+        }))
+    }
+
+    /// What was refused so far, by cause.
+    pub fn rejections(&self) -> Rejections {
+        self.reorder.rejections()
+    }
+
+    /// Times that every particle died and the cloud was spread anew.
+    pub fn n_recoveries(&self) -> u32 {
+        self.tracker.n_recoveries()
+    }
+
+    /// All that is remembered.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            recipe: self.tracker.recipe().clone(),
+            seed: self.seed,
+            floor: self.tracker.floor().map().name.clone(),
+            pedestrian: self.pedestrian.clone(),
+            reorder: self.reorder.clone(),
+            tracker: self.tracker.state().clone(),
+            progress: self.progress.clone(),
+        }
+    }
+
+    /// Continues from `snapshot` as if nothing had happened in between.
+    ///
+    /// # Errors
+    /// [`PositionError::ForeignSnapshot`] when recipe, seed or floor differ; the positioner is unchanged then.
+    pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), PositionError> {
+        let Snapshot { recipe, seed, floor, pedestrian, reorder, tracker, progress } = snapshot;
+        if recipe != *self.tracker.recipe() || seed != self.seed || floor != self.tracker.floor().map().name {
+            return Err(PositionError::ForeignSnapshot);
+        }
+        self.pedestrian = pedestrian;
+        self.reorder = reorder;
+        self.progress = progress;
+        self.tracker.set_state(tracker);
+        Ok(())
+    }
+
+    /// Consumes a sample in order of time; true when it completed a step.
+    fn consume(&mut self, sample: &Sample) -> bool {
+        self.progress.last_consumed = Some(sample.time);
+        if let Reading::Radio(sighting) = sample.reading {
+            self.hear(sighting.transmitter, sighting.rssi_dbm);
+        }
+        let Some(event) = self.pedestrian.push(sample) else { return false };
+        self.observations.clear();
+        self.observations.extend(
+            self.progress
+                .heard
+                .iter()
+                .map(|h| RadioObservation { transmitter: h.transmitter, rssi_dbm: h.sum_dbm / h.n as f32 }),
+        );
+        self.observations
+            .sort_unstable_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm).then(a.transmitter.cmp(&b.transmitter)));
+        self.progress.heard.clear();
+        self.tracker.step(&event, &self.observations);
+        self.progress.last_step = Some(event);
+        true
+    }
+
+    fn hear(&mut self, id: TransmitterId, rssi_dbm: f32) {
+        let Some(&transmitter) = self.transmitters.get(&id) else { return };
+        match self.progress.heard.iter_mut().find(|h| h.transmitter == transmitter) {
+            Some(heard) => {
+                heard.sum_dbm += rssi_dbm;
+                heard.n += 1;
+            }
+            None => self.progress.heard.push(Heard { transmitter, sum_dbm: rssi_dbm, n: 1 }),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Surveying: walks with waypoints become a floor map.
+//!
+//! A waypoint's coordinates enter a map only through the line that it ends: they place the steps between two
+//! waypoints, and nothing else ever sees them.
+
+mod build;
+mod coverage;
+mod kriging;
+mod radio;
+mod track;
+
+use serde::{Deserialize, Serialize};
+
+pub use build::{SurveyError, SurveyParams, build_floor};
+pub use coverage::{Coverage, leave_one_walk_out};
+pub use kriging::KrigingParams;
+pub use track::{SurveyTrack, TrackStep};
+
+use crate::geometry::Point2;
+use crate::pedestrian::{Pedestrian, PedestrianParams, StepEvent};
+use crate::reorder::{DEFAULT_REORDER_WINDOW, Rejections, ReorderWindow};
+use crate::sensor::{RadioSighting, Reading, Sample};
+use crate::time::Timestamp;
+
+/// A place that the surveyor said to be at.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Waypoint {
+    /// When.
+    pub time: Timestamp,
+    /// Where, in the floor frame.
+    pub point: Point2,
+}
+
+/// One walk, condensed while it is recorded: its steps, its waypoints and what radio was heard.
+#[derive(Clone, Debug)]
+pub struct SurveyWalk {
+    name: String,
+    pedestrian: Pedestrian,
+    reorder: ReorderWindow,
+    steps: Vec<StepEvent>,
+    waypoints: Vec<Waypoint>,
+    n_refused_waypoints: u64,
+    sightings: Vec<(Timestamp, RadioSighting)>,
+}
+
+impl SurveyWalk {
+    /// An empty walk called `name` (of its recording, for messages).
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            pedestrian: Pedestrian::new(PedestrianParams::default()),
+            reorder: ReorderWindow::new(DEFAULT_REORDER_WINDOW),
+            steps: Vec::new(),
+            waypoints: Vec::new(),
+            n_refused_waypoints: 0,
+            sightings: Vec::new(),
+        }
+    }
+
+    /// The walk's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Takes a sample in; bad ones are counted in [`SurveyWalk::rejections`].
+    pub fn push(&mut self, sample: &Sample) {
+        self.reorder.push(sample);
+        while let Some(next) = self.reorder.pop() {
+            self.consume(&next);
+        }
+    }
+
+    /// Takes a waypoint in; one that is not finite, or not after the last one, is counted and dropped.
+    pub fn push_waypoint(&mut self, waypoint: Waypoint) {
+        if !waypoint.point.is_finite() || self.waypoints.last().is_some_and(|last| last.time >= waypoint.time) {
+            self.n_refused_waypoints += 1;
+        } else {
+            self.waypoints.push(waypoint);
+        }
+    }
+
+    /// Consumes what still waits for late samples: the walk has ended.
+    pub fn finish(&mut self) {
+        while let Some(next) = self.reorder.pop_all() {
+            self.consume(&next);
+        }
+    }
+
+    /// The steps so far.
+    pub fn steps(&self) -> &[StepEvent] {
+        &self.steps
+    }
+
+    /// The waypoints so far, in order of time.
+    pub fn waypoints(&self) -> &[Waypoint] {
+        &self.waypoints
+    }
+
+    /// The radio sightings so far.
+    pub fn sightings(&self) -> &[(Timestamp, RadioSighting)] {
+        &self.sightings
+    }
+
+    /// Samples refused so far, by cause.
+    pub fn rejections(&self) -> Rejections {
+        self.reorder.rejections()
+    }
+
+    /// Waypoints refused so far.
+    pub fn n_refused_waypoints(&self) -> u64 {
+        self.n_refused_waypoints
+    }
+
+    fn consume(&mut self, sample: &Sample) {
+        if let Reading::Radio(sighting) = sample.reading {
+            self.sightings.push((sample.time, sighting));
+        }
+        self.steps.extend(self.pedestrian.push(sample));
+    }
+}

@@ -1,0 +1,240 @@
+//! Walks become a floor map.
+
+use serde::{Deserialize, Serialize};
+
+use crate::floor_plan::FloorPlan;
+use crate::geometry::{Point2, Segment, wrap_rad};
+use crate::map::{FloorMap, GridFrame, Layers};
+use crate::survey::kriging::{Kriging, KrigingParams, KrigingScratch, Reading};
+use crate::survey::{SurveyTrack, SurveyWalk, radio};
+
+/// Parameters of [`build_floor`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveyParams {
+    /// Distance between the map's nodes, in metres; default 0.5 (Kwak 2018, §5.2; iBILL 2017, §IV).
+    pub cell_m: f64,
+    /// The field's spatial covariance.
+    pub kriging: KrigingParams,
+    /// The field is worked out up to this distance from a surveyed line, in metres; beyond, the floor's mean stands.
+    pub field_reach_m: f64,
+    /// Length over which the compass deviation is smoothed, in metres.
+    pub deviation_length_m: f64,
+    /// Route distances are given up to this, in metres.
+    pub route_reach_m: f64,
+}
+
+impl Default for SurveyParams {
+    fn default() -> Self {
+        Self {
+            cell_m: 0.5,
+            kriging: KrigingParams::default(),
+            field_reach_m: 8.0,
+            deviation_length_m: 2.0,
+            route_reach_m: 10.0,
+        }
+    }
+}
+
+/// Why a survey gives no map.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SurveyError {
+    /// No walk had two waypoints with steps between them.
+    NoTrack {
+        /// How many walks there were.
+        n_walks: usize,
+    },
+    /// No step was taken with a magnetometer.
+    NoField,
+    /// The plan's width or height is not a positive number of metres, or is beyond 10 km.
+    BadPlan,
+}
+
+impl core::fmt::Display for SurveyError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoTrack { n_walks } => write!(
+                f,
+                "none of {n_walks} walks has steps between two waypoints: tap a waypoint at the start and end of every line"
+            ),
+            Self::NoField => write!(f, "no walk holds magnetometer readings: survey with a device that has one"),
+            Self::BadPlan => write!(f, "the plan has no extent in metres: give its width and height"),
+        }
+    }
+}
+
+impl core::error::Error for SurveyError {}
+
+/// The tracks of a survey and what was read along them, ready to be gridded.
+pub(super) struct Surveyed {
+    pub tracks: Vec<(u32, SurveyTrack)>,
+    /// Field x, y, z and strength.
+    pub readings: Vec<Reading<4>>,
+    /// Place, and walking direction minus compass azimuth in radians.
+    pub deviations: Vec<(Point2, f64)>,
+}
+
+/// Builds a floor's map from its plan and the walks that surveyed it.
+///
+/// # Errors
+/// [`SurveyError`] when the plan has no extent, no walk can be laid out, or none has a magnetometer.
+pub fn build_floor(
+    name: &str,
+    ordinal: i32,
+    plan: &FloorPlan,
+    walks: &[SurveyWalk],
+    params: &SurveyParams,
+) -> Result<FloorMap, SurveyError> {
+    let is_extent = |m: f64| m > 0.0 && m <= 10_000.0;
+    if !is_extent(plan.width_m) || !is_extent(plan.height_m) {
+        return Err(SurveyError::BadPlan);
+    }
+    let surveyed = Surveyed::of(walks, None);
+    if surveyed.tracks.is_empty() {
+        return Err(SurveyError::NoTrack { n_walks: walks.len() });
+    }
+    if surveyed.readings.is_empty() {
+        return Err(SurveyError::NoField);
+    }
+    let frame = GridFrame::covering(plan.width_m, plan.height_m, params.cell_m);
+    let mut map = FloorMap {
+        name: name.into(),
+        ordinal,
+        plan: plan.clone(),
+        frame,
+        routes: surveyed.routes(),
+        transmitters: radio::fit_transmitters(walks, &surveyed.tracks),
+        layers: Layers::default(),
+    };
+    map.layers.route_distance_m = route_distances_m(&frame, &map.routes, params.route_reach_m);
+    grid_field(&mut map, surveyed.readings, params, |_| true);
+    map.layers.compass_deviation_rad = smoothed_deviations(&frame, &surveyed.deviations, params);
+    Ok(map)
+}
+
+impl Surveyed {
+    /// Lays out all `walks` but the one at index `left_out`.
+    pub fn of(walks: &[SurveyWalk], left_out: Option<usize>) -> Self {
+        let tracks: Vec<(u32, SurveyTrack)> = walks
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| Some(*k) != left_out)
+            .filter_map(|(k, walk)| Some((k as u32, SurveyTrack::of(walk)?)))
+            .filter(|(_, track)| !track.steps().is_empty())
+            .collect();
+        let (mut readings, mut deviations) = (Vec::new(), Vec::new());
+        for (walk, track) in &tracks {
+            for step in track.steps() {
+                let Some(field) = step.event.forward_field else { continue };
+                let (sin, cos) = libm::sincos(step.heading_rad);
+                let [right, ahead, up] = field.field_ut.map(f64::from);
+                let strength = f64::from(field.strength_ut());
+                let values_ut = [right * cos + ahead * sin, ahead * cos - right * sin, up, strength];
+                readings.push(Reading { position: step.position, values_ut, walk: *walk });
+                let azimuth_rad = -f64::from(field.heading_rad());
+                deviations.push((step.position, wrap_rad(step.heading_rad - azimuth_rad)));
+            }
+        }
+        Self { tracks, readings, deviations }
+    }
+
+    /// The surveyed lines: the waypoints of each walk, joined.
+    pub fn routes(&self) -> Vec<Vec<Point2>> {
+        self.tracks.iter().map(|(_, track)| track.waypoints().iter().map(|w| w.point).collect()).collect()
+    }
+}
+
+/// Grids the field at the nodes that `is_wanted` and lie near a route; elsewhere the floor's mean, or what was there.
+pub(super) fn grid_field(
+    map: &mut FloorMap,
+    readings: Vec<Reading<4>>,
+    params: &SurveyParams,
+    is_wanted: impl Fn(Point2) -> bool,
+) {
+    let frame = map.frame;
+    let kriging = Kriging::new(params.kriging, readings);
+    let mut scratch = KrigingScratch::default();
+    let nowhere = Point2::new(-1e6, -1e6);
+    let (mean_ut, sill_ut2) = kriging.predict(nowhere, &mut scratch);
+    let layers = &mut map.layers;
+    let means = [mean_ut[0], mean_ut[1], mean_ut[2], sill_ut2, mean_ut[3]];
+    let targets = [
+        &mut layers.field_x_ut,
+        &mut layers.field_y_ut,
+        &mut layers.field_z_ut,
+        &mut layers.field_variance_ut2,
+        &mut layers.strength_ut,
+    ];
+    for (layer, mean) in targets.into_iter().zip(means) {
+        if layer.len() != frame.len() {
+            *layer = vec![mean as f32; frame.len()];
+        }
+    }
+    for node in 0..frame.len() {
+        let place = frame.node(node % frame.nx, node / frame.nx);
+        let is_near = f64::from(layers.route_distance_m[node]) <= params.field_reach_m;
+        if !is_near || !is_wanted(place) {
+            continue;
+        }
+        let (values_ut, variance_ut2) = kriging.predict(place, &mut scratch);
+        layers.field_x_ut[node] = values_ut[0] as f32;
+        layers.field_y_ut[node] = values_ut[1] as f32;
+        layers.field_z_ut[node] = values_ut[2] as f32;
+        layers.field_variance_ut2[node] = variance_ut2 as f32;
+        layers.strength_ut[node] = values_ut[3] as f32;
+    }
+}
+
+/// Distance of every node to the nearest route, up to `reach_m`.
+pub(super) fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach_m: f64) -> Vec<f32> {
+    let mut distances_m = vec![reach_m as f32; frame.len()];
+    for line in routes.iter().flat_map(|route| route.windows(2)) {
+        let segment = Segment { a: line[0], b: line[1] };
+        for (node, place) in nodes_near(frame, &segment, reach_m) {
+            let distance_m = segment.distance_m(place) as f32;
+            if distance_m < distances_m[node] {
+                distances_m[node] = distance_m;
+            }
+        }
+    }
+    distances_m
+}
+
+/// Compass deviation per node: a circular mean over nearby readings, weighted by a Gaussian of the distance.
+fn smoothed_deviations(frame: &GridFrame, deviations: &[(Point2, f64)], params: &SurveyParams) -> Vec<f32> {
+    let mut sums = vec![[0.0f64; 2]; frame.len()];
+    let (mut all_sin, mut all_cos) = (0.0, 0.0);
+    for &(position, deviation_rad) in deviations {
+        let (sin, cos) = libm::sincos(deviation_rad);
+        all_sin += sin;
+        all_cos += cos;
+        let here = Segment { a: position, b: position };
+        for (node, place) in nodes_near(frame, &here, 3.0 * params.deviation_length_m) {
+            let apart = place.distance_m(position) / params.deviation_length_m;
+            let weight = libm::exp(-0.5 * apart * apart);
+            sums[node][0] += weight * sin;
+            sums[node][1] += weight * cos;
+        }
+    }
+    let n = deviations.len().max(1) as f64;
+    // The floor's mean, as if read once: nodes far from all readings fall back to it.
+    let prior = [all_sin / n, all_cos / n];
+    sums.iter().map(|[sin, cos]| libm::atan2(sin + 0.5 * prior[0], cos + 0.5 * prior[1]) as f32).collect()
+}
+
+fn nodes_near(
+    frame: &GridFrame,
+    segment: &Segment,
+    reach_m: f64,
+) -> impl Iterator<Item = (usize, Point2)> + use<> {
+    let frame = *frame;
+    let range = |low_m: f64, high_m: f64, origin_m: f64, n: usize| {
+        let first = ((low_m - reach_m - origin_m) / frame.cell_m).ceil().max(0.0) as usize;
+        let end = ((high_m + reach_m - origin_m) / frame.cell_m).floor() + 1.0;
+        first..(end.max(0.0) as usize).min(n)
+    };
+    let (a, b) = (segment.a, segment.b);
+    let columns = range(a.x_m.min(b.x_m), a.x_m.max(b.x_m), frame.origin.x_m, frame.nx);
+    let rows = range(a.y_m.min(b.y_m), a.y_m.max(b.y_m), frame.origin.y_m, frame.ny);
+    rows.flat_map(move |j| columns.clone().map(move |i| (j * frame.nx + i, frame.node(i, j))))
+}

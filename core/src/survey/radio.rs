@@ -1,0 +1,120 @@
+//! Transmitters from sightings: a log-distance model each, its place found by search.
+
+use std::collections::BTreeMap;
+
+use crate::geometry::Point2;
+use crate::map::Transmitter;
+use crate::sensor::TransmitterId;
+use crate::survey::{SurveyTrack, SurveyWalk};
+
+/// A transmitter heard less often is not mapped.
+const MIN_SIGHTINGS: usize = 8;
+/// At most this many sightings enter a fit, evenly taken.
+const MAX_SIGHTINGS: usize = 200;
+/// The search covers this far around the strongest sighting, in metres, first coarsely, then finely.
+const SEARCH_M: [(f64, f64); 2] = [(24.0, 3.0), (3.0, 0.75)];
+/// Path-loss exponent expected before any sighting, and how many sightings that counts for.
+const PRIOR_EXPONENT: (f64, f64) = (2.5, 5.0);
+/// Added to the residual variance of a fit, in dB²: fading that a straight walk does not show.
+const EXTRA_VARIANCE_DB2: f64 = 9.0;
+
+/// Fits every transmitter that was heard often enough, in order of identity.
+pub(super) fn fit_transmitters(walks: &[SurveyWalk], tracks: &[(u32, SurveyTrack)]) -> Vec<Transmitter> {
+    let mut heard: BTreeMap<TransmitterId, Vec<(Point2, f64)>> = BTreeMap::new();
+    for (walk, track) in tracks {
+        for (time, sighting) in walks[*walk as usize].sightings() {
+            if let Some(position) = track.position(*time) {
+                heard.entry(sighting.transmitter).or_default().push((position, f64::from(sighting.rssi_dbm)));
+            }
+        }
+    }
+    heard.into_iter().filter_map(|(id, sightings)| fit(id, &sightings)).collect()
+}
+
+fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {
+    if sightings.len() < MIN_SIGHTINGS {
+        return None;
+    }
+    let stride = sightings.len().div_ceil(MAX_SIGHTINGS);
+    let used: Vec<_> = sightings.iter().copied().step_by(stride).collect();
+    let strongest = sightings.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let mut best = model_at(strongest.0, &used);
+    for (reach_m, step_m) in SEARCH_M {
+        let centre = best.position;
+        let n = (reach_m / step_m) as i32;
+        for (i, j) in (-n..=n).flat_map(|i| (-n..=n).map(move |j| (i, j))) {
+            let place = centre + Point2::new(f64::from(i) * step_m, f64::from(j) * step_m);
+            let candidate = model_at(place, &used);
+            if candidate.cost < best.cost {
+                best = candidate;
+            }
+        }
+    }
+    Some(Transmitter {
+        id,
+        position: best.position,
+        power_at_1m_dbm: best.power_at_1m_dbm,
+        path_loss_exponent: best.exponent,
+        sigma_db: (best.residual_db2 + EXTRA_VARIANCE_DB2).sqrt(),
+        n_sightings: sightings.len().min(u32::MAX as usize) as u32,
+    })
+}
+
+struct Model {
+    position: Point2,
+    power_at_1m_dbm: f64,
+    exponent: f64,
+    residual_db2: f64,
+    cost: f64,
+}
+
+/// The least-squares path loss for a transmitter at `position`, its exponent drawn to the prior and kept in [1.2, 5].
+fn model_at(position: Point2, sightings: &[(Point2, f64)]) -> Model {
+    let n = sightings.len() as f64;
+    let loss = |p: Point2| -10.0 * libm::log10(p.distance_m(position).max(1.0));
+    let (mut sum_l, mut sum_r) = (0.0, 0.0);
+    for &(p, rssi_dbm) in sightings {
+        sum_l += loss(p);
+        sum_r += rssi_dbm;
+    }
+    let (mean_l, mean_r) = (sum_l / n, sum_r / n);
+    let (mut ll, mut lr, mut rr) = (0.0, 0.0, 0.0);
+    for &(p, rssi_dbm) in sightings {
+        let (l, r) = (loss(p) - mean_l, rssi_dbm - mean_r);
+        ll += l * l;
+        lr += l * r;
+        rr += r * r;
+    }
+    let (expected, counts) = PRIOR_EXPONENT;
+    let pull = counts * 25.0;
+    let exponent = ((lr + pull * expected) / (ll + pull)).clamp(1.2, 5.0);
+    let residual_db2 = (rr - 2.0 * exponent * lr + exponent * exponent * ll).max(0.0) / n;
+    let off = exponent - expected;
+    Model {
+        position,
+        power_at_1m_dbm: mean_r - exponent * mean_l,
+        exponent,
+        residual_db2,
+        cost: residual_db2 * n + pull * off * off,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_transmitter_is_found_where_it_stands() {
+        let truth = Point2::new(12.0, 7.0);
+        let sightings: Vec<_> = (0..60)
+            .map(|k| {
+                let p = Point2::new(f64::from(k % 10) * 3.0, f64::from(k / 10) * 3.0);
+                (p, -45.0 - 22.0 * libm::log10(p.distance_m(truth).max(1.0)))
+            })
+            .collect();
+        let found = fit(TransmitterId::WifiBssid([1; 6]), &sightings).unwrap();
+        assert!(found.position.distance_m(truth) < 1.0, "{found:?}");
+        assert!((found.path_loss_exponent - 2.2).abs() < 0.2 && (found.power_at_1m_dbm + 45.0).abs() < 3.0);
+        assert_eq!(fit(found.id, &sightings[..7]), None);
+    }
+}

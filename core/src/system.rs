@@ -1,0 +1,249 @@
+//! The systems as data: a recipe is a choice of parts with their parameters.
+
+use serde::{Deserialize, Serialize};
+
+use crate::observation::field_vector::FieldVectorParams;
+use crate::observation::mass_centered::MassCenteredParams;
+use crate::observation::radio::RadioParams;
+use crate::step::StepLengthModel;
+
+/// A positioning system: which parts run and how they are tuned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// The system's name, as on the command line.
+    pub name: String,
+    /// Number of particles.
+    pub n_particles: usize,
+    /// How long a step is before the walker's own scale.
+    pub length: StepLengthModel,
+    /// How particles move.
+    pub motion: MotionParams,
+    /// What walls and closed units do.
+    pub plan: PlanRule,
+    /// How the surveyed routes attract, if they do.
+    pub routes: Option<RouteParams>,
+    /// What the magnetic field says.
+    pub magnetic: MagneticRule,
+    /// What radio says, if anything.
+    pub radio: Option<RadioParams>,
+    /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
+    pub resample_below: f32,
+    /// How the stated radii follow from the cloud.
+    pub accuracy: AccuracyParams,
+}
+
+/// How particles move at a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionParams {
+    /// Where the walking direction comes from.
+    pub heading: HeadingRule,
+    /// Standard deviation of each move's direction, in radians.
+    pub direction_sd_rad: f32,
+    /// How the length varies over particles and steps.
+    pub length: LengthRule,
+}
+
+/// Where a particle's walking direction comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeadingRule {
+    /// The compass azimuth of every step, with the surveyed deviation at the particle's last place added.
+    ///
+    /// # Source
+    /// Mass-centred 2019, Eq. 15: `α + ξ(x_{t−1}, y_{t−1}) + Λ'`.
+    CompensatedCompass,
+    /// The compass once, at the start; the gyroscope from there, with a small random walk.
+    Gyroscope {
+        /// Standard deviation of the first compass reading about the walking direction, in radians.
+        start_sd_rad: f32,
+        /// Standard deviation of the random walk a step, in radians.
+        walk_sd_rad: f32,
+    },
+}
+
+/// How step lengths vary over particles and steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LengthRule {
+    /// Each particle has a scale of its own on the length model, and each step a noise of its own.
+    Scaled {
+        /// Standard deviation of the walker's scale.
+        scale_sd: f32,
+        /// Standard deviation of the scale's random walk a step.
+        scale_walk_sd: f32,
+        /// Standard deviation of one step's length over its mean.
+        step_sd: f32,
+    },
+    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`.
+    ///
+    /// # Source
+    /// Mass-centred 2019, Eq. 13; initial genes, δ and Λ are ours (the paper gives none).
+    Genetic {
+        /// Mean of `p_a` at the start, metres per Hz.
+        a_m: f32,
+        /// Its standard deviation.
+        a_sd_m: f32,
+        /// Mean of `p_b` at the start, in metres.
+        b_m: f32,
+        /// Its standard deviation.
+        b_sd_m: f32,
+        /// Standard deviation of δ on `p_a`.
+        a_walk_sd_m: f32,
+        /// Standard deviation of δ on `p_b`.
+        b_walk_sd_m: f32,
+        /// Standard deviation of Λ, in metres.
+        step_sd_m: f32,
+    },
+}
+
+/// What walls and closed units do to particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlanRule {
+    /// Nothing.
+    Ignore,
+    /// A particle that crosses a wall or stands in a closed unit dies.
+    ///
+    /// # Source
+    /// Mass-centred 2019, Alg. 1.
+    Purge,
+    /// Both cost weight only: plans err, and a filter that believes them too much dies and jumps.
+    Soft {
+        /// Added to the log weight at a crossing.
+        crossing_log_weight: f32,
+        /// Added to the log weight at every step that ends in a closed unit.
+        closed_log_weight: f32,
+    },
+}
+
+/// How the surveyed routes attract particles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RouteParams {
+    /// No cost up to this distance from a surveyed line, in metres.
+    pub free_m: f32,
+    /// Added to the log weight, at every step, per metre beyond.
+    pub log_weight_per_m: f32,
+    /// The most that is added (a negative number).
+    pub min_log_weight: f32,
+}
+
+/// What the magnetic field says of a particle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MagneticRule {
+    /// Nothing.
+    Ignore,
+    /// Changes of strength from step to step.
+    MassCentered(MassCenteredParams),
+    /// The vector in the particle's own heading, with a learnt bias.
+    FieldVector(FieldVectorParams),
+}
+
+/// How the stated radii follow from the cloud: `radius = sqrt((scale·r)² + floor²)`.
+///
+/// The cloud knows only what the recipe models; scale and floor make the radii true as often as they say on
+/// recordings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AccuracyParams {
+    /// Factor on the cloud's radii.
+    pub scale: f32,
+    /// The smallest 68 % radius, in metres; the 95 % floor is 1.6 times that (a circular normal's ratio).
+    pub floor_m: f32,
+}
+
+/// The step-length model fitted over surveyed segments of many walks.
+const FITTED_LENGTH: StepLengthModel =
+    StepLengthModel::FrequencyAmplitude { offset_m: 0.2, per_hz_m: 0.0, per_root_m: 0.28 };
+
+impl Recipe {
+    /// The names of all systems, in the order in which tables list them.
+    pub const NAMES: [&'static str; 3] = ["dead-reckoning", "mass-centered", "fused"];
+
+    /// The system called `name`, if there is one.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "dead-reckoning" => Self::dead_reckoning(),
+            "mass-centered" => Self::mass_centered(),
+            "fused" => Self::fused(),
+            _ => return None,
+        })
+    }
+
+    /// Steps and gyroscope from the compass's first direction; nothing corrects them.
+    pub fn dead_reckoning() -> Self {
+        Self {
+            name: "dead-reckoning".into(),
+            n_particles: 500,
+            length: FITTED_LENGTH,
+            motion: MotionParams {
+                heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
+                direction_sd_rad: 0.06,
+                length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.0, step_sd: 0.08 },
+            },
+            plan: PlanRule::Ignore,
+            routes: None,
+            magnetic: MagneticRule::Ignore,
+            radio: None,
+            resample_below: 0.0,
+            accuracy: AccuracyParams { scale: 1.0, floor_m: 0.8 },
+        }
+    }
+
+    /// Mass-centred weighting of field strength on a floor plan, genetic step lengths, compensated azimuth.
+    ///
+    /// # Source
+    /// Mass-centred 2019, Alg. 1; `W`, `T` and the number of particles are the paper's.
+    pub fn mass_centered() -> Self {
+        Self {
+            name: "mass-centered".into(),
+            n_particles: 3000,
+            length: FITTED_LENGTH,
+            motion: MotionParams {
+                heading: HeadingRule::CompensatedCompass,
+                direction_sd_rad: 0.15,
+                length: LengthRule::Genetic {
+                    a_m: 0.18,
+                    a_sd_m: 0.04,
+                    b_m: 0.28,
+                    b_sd_m: 0.06,
+                    a_walk_sd_m: 0.002,
+                    b_walk_sd_m: 0.004,
+                    step_sd_m: 0.05,
+                },
+            },
+            plan: PlanRule::Purge,
+            routes: None,
+            magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
+            radio: None,
+            resample_below: 1.0,
+            accuracy: AccuracyParams { scale: 1.5, floor_m: 1.0 },
+        }
+    }
+
+    /// Fieldwalk's own: soft plan and routes, the field vector with a learnt bias, weak radio.
+    pub fn fused() -> Self {
+        Self {
+            name: "fused".into(),
+            n_particles: 1000,
+            length: FITTED_LENGTH,
+            motion: MotionParams {
+                heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
+                direction_sd_rad: 0.06,
+                length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.004, step_sd: 0.08 },
+            },
+            plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
+            routes: Some(RouteParams { free_m: 1.5, log_weight_per_m: -0.05, min_log_weight: -0.3 }),
+            magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
+            radio: Some(RadioParams::default()),
+            resample_below: 0.5,
+            accuracy: AccuracyParams { scale: 1.0, floor_m: 0.8 },
+        }
+    }
+
+    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses.
+    #[must_use]
+    pub fn with_plan(self) -> Self {
+        let Self { plan, routes, .. } = Self::fused();
+        Self { plan, routes, ..self }
+    }
+}

@@ -1,0 +1,235 @@
+//! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
+
+mod motion;
+mod start;
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::Point2;
+use crate::map::FloorIndex;
+use crate::observation::radio::RadioObservation;
+use crate::observation::{field_vector, mass_centered, radio};
+use crate::particle::{CloudEstimate, EstimateScratch, Particles, ResampleScratch};
+use crate::pedestrian::StepEvent;
+use crate::random::{NormalTable, Purpose, draw, uniform};
+use crate::system::{MagneticRule, PlanRule, Recipe};
+
+/// Everything that the tracker remembers from step to step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrackerState {
+    particles: Particles,
+    /// Whether the particles have a place.
+    is_placed: bool,
+    /// Whether they have a direction too, which takes a first step.
+    is_oriented: bool,
+    /// Number of steps consumed: the counter of the random draws.
+    n_steps: u32,
+    /// Mean length of the latest step over particles, in metres.
+    step_length_m: f64,
+    last_end_strength_ut: Option<f32>,
+    /// Times that every particle died and the cloud was spread anew.
+    n_recoveries: u32,
+}
+
+/// Runs one recipe on one floor.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    recipe: Recipe,
+    floor: Arc<FloorIndex>,
+    seed: u64,
+    normal: NormalTable,
+    state: TrackerState,
+    estimate: Option<CloudEstimate>,
+    scratch: Scratch,
+}
+
+/// Memory that one step needs and the next does not remember.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    from_x_m: Vec<f32>,
+    from_y_m: Vec<f32>,
+    weights: Vec<f32>,
+    resample: ResampleScratch,
+    estimate: EstimateScratch,
+}
+
+impl Tracker {
+    /// A tracker that knows no place yet.
+    pub fn new(recipe: Recipe, floor: Arc<FloorIndex>, seed: u64) -> Self {
+        let n = recipe.n_particles.max(1);
+        let window = match recipe.magnetic {
+            MagneticRule::MassCentered(params) => params.window.max(1),
+            _ => 1,
+        };
+        let scratch = Scratch {
+            from_x_m: Vec::with_capacity(n),
+            from_y_m: Vec::with_capacity(n),
+            weights: Vec::with_capacity(n),
+            resample: ResampleScratch::with_capacity(n, window),
+            estimate: EstimateScratch::default(),
+        };
+        let normal = NormalTable::new();
+        Self { recipe, floor, seed, normal, state: TrackerState::default(), estimate: None, scratch }
+    }
+
+    /// The recipe that runs.
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// The floor that it runs on.
+    pub fn floor(&self) -> &Arc<FloorIndex> {
+        &self.floor
+    }
+
+    /// What the tracker remembers.
+    pub fn state(&self) -> &TrackerState {
+        &self.state
+    }
+
+    /// Continues from `state`, which a tracker with the same recipe, floor and seed has given.
+    pub fn set_state(&mut self, state: TrackerState) {
+        self.state = state;
+        self.weigh();
+        self.estimate_cloud();
+    }
+
+    /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.
+    ///
+    /// # Source
+    /// Mass-centred 2019, Alg. 1, line 4.
+    pub fn place(&mut self, point: Point2, radius_m: f64) {
+        let n = self.recipe.n_particles.max(1);
+        let (seed, step) = (self.seed, self.state.n_steps);
+        let coordinate = |centre_m: f64, bits: u32| {
+            (centre_m + radius_m * (2.0 * f64::from(uniform(bits)) - 1.0)) as f32
+        };
+        let bits = (0..n as u32).map(|i| draw(seed, step, i, Purpose::Start));
+        let (x_m, y_m) = bits.map(|b| (coordinate(point.x_m, b[0]), coordinate(point.y_m, b[1]))).unzip();
+        self.occupy(x_m, y_m);
+    }
+
+    /// The latest estimate; nothing before the particles have a place.
+    pub fn estimate(&self) -> Option<&CloudEstimate> {
+        self.estimate.as_ref()
+    }
+
+    /// Mean length of the latest step, in metres; 0 before the first.
+    pub fn step_length_m(&self) -> f64 {
+        self.state.step_length_m
+    }
+
+    /// Times that every particle died and the cloud was spread anew round the last estimate.
+    pub fn n_recoveries(&self) -> u32 {
+        self.state.n_recoveries
+    }
+
+    /// Consumes a step and what radio was heard during it.
+    pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        if !self.state.is_placed {
+            self.place_unknown(radio);
+        }
+        if !self.state.is_oriented {
+            self.orient(event);
+        }
+        self.state.n_steps = self.state.n_steps.wrapping_add(1);
+        self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
+        self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
+        self.move_particles(event);
+        self.apply_plan();
+        self.apply_routes();
+        self.apply_magnetic(event);
+        if let Some(params) = &self.recipe.radio {
+            radio::update(params, &self.floor.map().transmitters, radio, &mut self.state.particles);
+        }
+        if !self.weigh() {
+            self.recover();
+        }
+        self.estimate_cloud();
+        self.resample();
+    }
+
+    fn apply_plan(&mut self) {
+        let particles = &mut self.state.particles;
+        let (crossing, closed) = match self.recipe.plan {
+            PlanRule::Ignore => return,
+            PlanRule::Purge => (f32::NEG_INFINITY, f32::NEG_INFINITY),
+            PlanRule::Soft { crossing_log_weight, closed_log_weight } => (crossing_log_weight, closed_log_weight),
+        };
+        for i in 0..particles.x_m.len() {
+            let to = [particles.x_m[i], particles.y_m[i]];
+            if !self.floor.is_open(to[0], to[1]) {
+                particles.log_weight[i] += closed;
+            }
+            if self.floor.is_blocked([self.scratch.from_x_m[i], self.scratch.from_y_m[i]], to) {
+                particles.log_weight[i] += crossing;
+            }
+        }
+    }
+
+    fn apply_routes(&mut self) {
+        let Some(routes) = self.recipe.routes else { return };
+        let distances = &self.floor.map().layers.route_distance_m;
+        let particles = &mut self.state.particles;
+        for i in 0..particles.x_m.len() {
+            let distance_m = self.floor.nearest(distances, particles.x_m[i], particles.y_m[i]);
+            let cost = distance_m.map_or(routes.min_log_weight, |d| {
+                (routes.log_weight_per_m * (d - routes.free_m).max(0.0)).max(routes.min_log_weight)
+            });
+            particles.log_weight[i] += cost;
+        }
+    }
+
+    fn apply_magnetic(&mut self, event: &StepEvent) {
+        match &self.recipe.magnetic {
+            MagneticRule::Ignore => {}
+            MagneticRule::MassCentered(params) => {
+                let last = core::mem::replace(&mut self.state.last_end_strength_ut, event.end_strength_ut);
+                if let (Some(now), Some(last)) = (event.end_strength_ut, last) {
+                    mass_centered::update(params, &self.floor, now - last, &mut self.state.particles);
+                }
+            }
+            MagneticRule::FieldVector(params) => {
+                if let Some(field) = &event.forward_field {
+                    field_vector::update(params, &self.floor, field, &mut self.state.particles);
+                }
+            }
+        }
+    }
+
+    /// Turns log weights into weights, the largest of them 1; false when no particle is left alive.
+    fn weigh(&mut self) -> bool {
+        let particles = &mut self.state.particles;
+        let best = particles.log_weight.iter().fold(f32::NEG_INFINITY, |best, &w| if w > best { w } else { best });
+        if !best.is_finite() {
+            return false;
+        }
+        self.scratch.weights.clear();
+        for log_weight in &mut particles.log_weight {
+            *log_weight -= best;
+            let weight = libm::expf(*log_weight);
+            self.scratch.weights.push(if weight.is_nan() { 0.0 } else { weight });
+        }
+        true
+    }
+
+    fn estimate_cloud(&mut self) {
+        if self.state.particles.is_empty() || self.scratch.weights.len() != self.state.particles.len() {
+            return;
+        }
+        let estimate = CloudEstimate::of(&self.state.particles, &self.scratch.weights, &mut self.scratch.estimate);
+        self.estimate = estimate.or(self.estimate);
+    }
+
+    fn resample(&mut self) {
+        let n = self.state.particles.len() as f64;
+        let is_degenerate =
+            self.estimate.is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
+        if is_degenerate || self.recipe.resample_below >= 1.0 {
+            let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
+            self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+        }
+    }
+}

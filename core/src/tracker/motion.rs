@@ -1,0 +1,51 @@
+//! How particles move at a step.
+
+use crate::pedestrian::StepEvent;
+use crate::random::{Purpose, draw};
+use crate::system::{HeadingRule, LengthRule};
+use crate::tracker::Tracker;
+
+impl Tracker {
+    /// Moves every particle by one step of its own length in its own direction.
+    pub(super) fn move_particles(&mut self, event: &StepEvent) {
+        let modelled_m = self.recipe.length.length_m(event.cycle.frequency_hz, event.cycle.amplitude_m_s2);
+        let motion = self.recipe.motion;
+        let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
+        let deviations = &self.floor.map().layers.compass_deviation_rad;
+        let particles = &mut self.state.particles;
+        let n = particles.x_m.len();
+        let mut lengths_m = 0.0f64;
+        for i in 0..n {
+            let bits = draw(self.seed, self.state.n_steps, i as u32, Purpose::Motion);
+            let noise = bits.map(|b| self.normal.sample(b));
+            let length_m = match motion.length {
+                LengthRule::Scaled { scale_walk_sd, step_sd, .. } => {
+                    particles.length_scale[i] += scale_walk_sd * noise[3];
+                    modelled_m * particles.length_scale[i] * (1.0 + step_sd * noise[1])
+                }
+                LengthRule::Genetic { a_walk_sd_m, b_walk_sd_m, step_sd_m, .. } => {
+                    particles.gene_a_m[i] += a_walk_sd_m * noise[2];
+                    particles.gene_b_m[i] += b_walk_sd_m * noise[3];
+                    particles.gene_a_m[i] * event.cycle.frequency_hz + particles.gene_b_m[i] + step_sd_m * noise[1]
+                }
+            }
+            .clamp(0.0, 1.5);
+            let direction_rad = match motion.heading {
+                HeadingRule::CompensatedCompass => {
+                    let deviation = self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]);
+                    azimuth_rad + deviation.unwrap_or(0.0)
+                }
+                HeadingRule::Gyroscope { walk_sd_rad, .. } => {
+                    particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
+                    event.level_heading_rad + particles.heading_offset_rad[i]
+                }
+            };
+            particles.heading_rad[i] = direction_rad;
+            let (sin, cos) = libm::sincosf(direction_rad + motion.direction_sd_rad * noise[0]);
+            particles.x_m[i] += length_m * sin;
+            particles.y_m[i] += length_m * cos;
+            lengths_m += f64::from(length_m);
+        }
+        self.state.step_length_m = lengths_m / n.max(1) as f64;
+    }
+}

@@ -1,0 +1,137 @@
+//! Where particles begin, which way they face, and how they begin anew when all have died.
+
+use crate::geometry::Point2;
+use crate::observation::radio::{RadioObservation, log_likelihood};
+use crate::particle::Particles;
+use crate::pedestrian::StepEvent;
+use crate::random::{Purpose, draw, uniform};
+use crate::system::{HeadingRule, LengthRule, MagneticRule};
+use crate::tracker::Tracker;
+
+/// Without a hint, particles start within this distance of a surveyed line, in metres.
+const START_REACH_M: f32 = 2.0;
+/// Half the side of the square in which particles are spread after all have died, in metres.
+const RECOVERY_RADIUS_M: f64 = 3.0;
+
+impl Tracker {
+    /// Gives every particle its place, and its length genes; directions come with the first step.
+    pub(super) fn occupy(&mut self, x_m: Vec<f32>, y_m: Vec<f32>) {
+        let n = x_m.len();
+        let mut particles = Particles { x_m, y_m, log_weight: vec![0.0; n], ..Particles::default() };
+        particles.heading_rad = vec![0.0; n];
+        let genes: Vec<[f32; 2]> = (0..n as u32)
+            .map(|i| {
+                let bits = draw(self.seed, self.state.n_steps, i, Purpose::Genes);
+                [self.normal.sample(bits[0]), self.normal.sample(bits[1])]
+            })
+            .collect();
+        match self.recipe.motion.length {
+            LengthRule::Scaled { scale_sd, .. } => {
+                particles.length_scale = genes.iter().map(|g| 1.0 + scale_sd * g[0]).collect();
+            }
+            LengthRule::Genetic { a_m, a_sd_m, b_m, b_sd_m, .. } => {
+                particles.gene_a_m = genes.iter().map(|g| a_m + a_sd_m * g[0]).collect();
+                particles.gene_b_m = genes.iter().map(|g| b_m + b_sd_m * g[1]).collect();
+            }
+        }
+        match &self.recipe.magnetic {
+            MagneticRule::Ignore => {}
+            MagneticRule::MassCentered(params) => {
+                let strengths = &self.floor.map().layers.strength_ut;
+                particles.strength_ut = (0..n)
+                    .map(|i| self.floor.layer(strengths, particles.x_m[i], particles.y_m[i]).unwrap_or(f32::NAN))
+                    .collect();
+                particles.delta_errors_ut = vec![f32::NAN; n * params.window.max(1)];
+            }
+            MagneticRule::FieldVector(params) => {
+                particles.bias_x_ut = vec![0.0; n];
+                particles.bias_y_ut = vec![0.0; n];
+                particles.bias_z_ut = vec![0.0; n];
+                particles.bias_variance_ut2 = vec![params.bias_sd_ut * params.bias_sd_ut; n];
+            }
+        }
+        self.state.particles = particles;
+        self.state.is_placed = true;
+        self.state.is_oriented = false;
+        self.weigh();
+        self.estimate_cloud();
+    }
+
+    /// Places particles without a hint: along the surveyed routes, where radio makes them likely if it was heard.
+    pub(super) fn place_unknown(&mut self, radio: &[RadioObservation]) {
+        let map = self.floor.map();
+        let (frame, distances) = (map.frame, &map.layers.route_distance_m);
+        let is_route = |node: usize| distances.get(node).is_some_and(|&d| d <= START_REACH_M);
+        let mut nodes: Vec<usize> = (0..frame.len()).filter(|&node| is_route(node)).collect();
+        if nodes.is_empty() {
+            nodes = (0..frame.len()).collect();
+        }
+        let place = |node: usize| frame.node(node % frame.nx.max(1), node / frame.nx.max(1));
+        let log_weights: Vec<f32> = nodes
+            .iter()
+            .map(|&node| {
+                let Point2 { x_m, y_m } = place(node);
+                radio
+                    .iter()
+                    .filter_map(|o| Some((map.transmitters.get(o.transmitter as usize)?, o.rssi_dbm)))
+                    .map(|(transmitter, rssi_dbm)| {
+                        0.5 * log_likelihood(4.0, transmitter, rssi_dbm, x_m as f32, y_m as f32)
+                    })
+                    .sum()
+            })
+            .collect();
+        let best = log_weights.iter().fold(f32::NEG_INFINITY, |best, &w| best.max(w));
+        let weights: Vec<f64> = log_weights.iter().map(|&w| f64::from(libm::expf(w - best))).collect();
+        let total: f64 = weights.iter().sum();
+        let n = self.recipe.n_particles.max(1);
+        let (mut x_m, mut y_m) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let (mut k, mut reached) = (0, weights.first().copied().unwrap_or(0.0));
+        for i in 0..n {
+            let bits = draw(self.seed, self.state.n_steps, i as u32, Purpose::Start);
+            let target = total * (i as f64 + f64::from(uniform(bits[2]))) / n as f64;
+            while reached < target && k + 1 < weights.len() {
+                k += 1;
+                reached += weights[k];
+            }
+            let centre = nodes.get(k).map_or(Point2::default(), |&node| place(node));
+            let jitter_m = |b: u32| frame.cell_m * (f64::from(uniform(b)) - 0.5);
+            x_m.push((centre.x_m + jitter_m(bits[0])) as f32);
+            y_m.push((centre.y_m + jitter_m(bits[1])) as f32);
+        }
+        self.occupy(x_m, y_m);
+    }
+
+    /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
+    pub(super) fn orient(&mut self, event: &StepEvent) {
+        self.state.is_oriented = true;
+        let HeadingRule::Gyroscope { start_sd_rad, .. } = self.recipe.motion.heading else { return };
+        let deviations = &self.floor.map().layers.compass_deviation_rad;
+        let (seed, step) = (self.seed, self.state.n_steps);
+        let particles = &mut self.state.particles;
+        particles.heading_offset_rad.clear();
+        for i in 0..particles.x_m.len() {
+            let bits = draw(seed, step, i as u32, Purpose::Genes);
+            let offset = match event.azimuth_rad() {
+                Some(azimuth) => {
+                    let deviation = self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
+                    azimuth + deviation - event.level_heading_rad + start_sd_rad * self.normal.sample(bits[2])
+                }
+                None => core::f32::consts::TAU * uniform(bits[2]),
+            };
+            particles.heading_offset_rad.push(offset);
+        }
+    }
+
+    /// After every particle has died: a fresh spread round the last estimate, directions kept.
+    pub(super) fn recover(&mut self) {
+        self.state.n_recoveries += 1;
+        let Some(estimate) = self.estimate else { return };
+        let offsets = core::mem::take(&mut self.state.particles.heading_offset_rad);
+        let headings = core::mem::take(&mut self.state.particles.heading_rad);
+        self.place(Point2::new(estimate.x_m, estimate.y_m), RECOVERY_RADIUS_M);
+        self.state.particles.heading_offset_rad = offsets;
+        self.state.particles.heading_rad = headings;
+        self.state.is_oriented = true;
+        self.weigh();
+    }
+}
