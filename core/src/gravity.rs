@@ -164,9 +164,11 @@ fn upright(up: [f64; 3]) -> [f64; 4] {
     quaternion_of_rows(right, forward, up)
 }
 
+#[expect(clippy::disallowed_types, reason = "this constructor needs square roots alone")]
 fn quaternion_of_rows(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> [f64; 4] {
-    let rotation = nalgebra::Matrix3::new(x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]);
-    let q = nalgebra::UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(rotation));
+    use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+    let rotation = Matrix3::new(x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]);
+    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
     [q.w, q.i, q.j, q.k]
 }
 

@@ -116,15 +116,16 @@ pub enum PlanRule {
     },
 }
 
-/// How the surveyed routes attract particles.
+/// How the surveyed routes attract particles: `power·ln((floor + flow) / floor)` is added at every step.
+///
+/// The flow is the density of surveyed lines along the particle's heading. A survey walks where people walk, so its
+/// lines are a prior of place and direction; the floor keeps places that it left out possible.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RouteParams {
-    /// No cost up to this distance from a surveyed line, in metres.
-    pub free_m: f32,
-    /// Added to the log weight, at every step, per metre beyond.
-    pub log_weight_per_m: f32,
-    /// The most that is added (a negative number).
-    pub min_log_weight: f32,
+    /// Power of the flow; 0 ignores the routes.
+    pub power: f32,
+    /// The flow of a place that no line passes, in lines.
+    pub floor: f32,
 }
 
 /// What the magnetic field says of a particle.
@@ -153,7 +154,7 @@ pub struct AccuracyParams {
 
 /// The step-length model fitted over surveyed segments of many walks.
 const FITTED_LENGTH: StepLengthModel =
-    StepLengthModel::FrequencyAmplitude { offset_m: 0.2, per_hz_m: 0.0, per_root_m: 0.28 };
+    StepLengthModel::FrequencyAmplitude { offset_m: 0.4765, per_hz_m: -0.268, per_root_m: 0.444 };
 
 impl Recipe {
     /// The names of all systems, in the order in which tables list them.
@@ -232,7 +233,7 @@ impl Recipe {
                 length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
             plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
-            routes: Some(RouteParams { free_m: 1.5, log_weight_per_m: -0.05, min_log_weight: -0.3 }),
+            routes: Some(RouteParams { power: 0.1, floor: 0.5 }),
             magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
             radio: Some(RadioParams::default()),
             resample_below: 0.5,

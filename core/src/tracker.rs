@@ -171,14 +171,10 @@ impl Tracker {
 
     fn apply_routes(&mut self) {
         let Some(routes) = self.recipe.routes else { return };
-        let distances = &self.floor.map().layers.route_distance_m;
         let particles = &mut self.state.particles;
         for i in 0..particles.x_m.len() {
-            let distance_m = self.floor.nearest(distances, particles.x_m[i], particles.y_m[i]);
-            let cost = distance_m.map_or(routes.min_log_weight, |d| {
-                (routes.log_weight_per_m * (d - routes.free_m).max(0.0)).max(routes.min_log_weight)
-            });
-            particles.log_weight[i] += cost;
+            let flow = self.floor.route_flow(particles.x_m[i], particles.y_m[i], particles.heading_rad[i]);
+            particles.log_weight[i] += routes.power * libm::logf(1.0 + flow / routes.floor);
         }
     }
 

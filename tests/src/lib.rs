@@ -1,1 +1,5 @@
-//! Replays.
+//! What the tests across crates share. The tests themselves stand in this package's `tests` folder.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+pub mod recordings;

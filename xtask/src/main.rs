@@ -1,1 +1,33 @@
-fn main() {}
+//! `cargo xtask …`: the checks of this workspace, the same for people and for continuous integration.
+
+mod aarch64;
+mod arguments;
+mod fuzz;
+mod install;
+mod process;
+mod report;
+mod stages;
+mod tidy;
+mod workspace;
+
+use std::process::ExitCode;
+
+use arguments::{Arguments, USAGE};
+use workspace::Workspace;
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::parse(std::env::args().skip(1)) {
+        Ok(Some(arguments)) => arguments,
+        Ok(None) => {
+            print!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        Err(message) => {
+            eprintln!("error: {message}\n\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    let report = stages::run(&Workspace::open(), &arguments);
+    print!("\n{report}");
+    if report.n_failed() > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}

@@ -26,6 +26,8 @@ pub struct FloorIndex {
     map: FloorMap,
     /// Field x, y, z and variance per node.
     field: Vec<[f32; 4]>,
+    /// Route density, axis cosine and axis sine per node; zero where unknown.
+    routes: Vec<[f32; 3]>,
     grid: GridLookup,
     ground: Vec<u8>,
     ground_grid: GridLookup,
@@ -60,11 +62,25 @@ impl FloorIndex {
                 ]
             })
             .collect();
+        let known = |values: &[f32], node: usize| {
+            let value = layer(values, node);
+            if value.is_nan() { 0.0 } else { value }
+        };
+        let routes = (0..n)
+            .map(|node| {
+                [
+                    known(&map.layers.route_density, node),
+                    known(&map.layers.route_axis_cos, node),
+                    known(&map.layers.route_axis_sin, node),
+                ]
+            })
+            .collect();
         let ground_frame = GridFrame::covering(map.plan.width_m, map.plan.height_m, PLAN_CELL_M);
         let wall_frame = GridFrame::covering(map.plan.width_m, map.plan.height_m, WALL_CELL_M);
         let (wall_starts, walls) = bucketed_walls(&map.plan, &wall_frame);
         Self {
             field,
+            routes,
             grid: GridLookup::new(&map.frame),
             ground: rasterised(&map.plan, &ground_frame),
             ground_grid: GridLookup::new(&ground_frame),
@@ -94,6 +110,24 @@ impl FloorIndex {
             }
         }
         (!value[0].is_nan() && !value[3].is_nan()).then_some(value)
+    }
+
+    /// Surveyed lines passing a place in direction `heading_rad` or against it: between 0 and twice the density.
+    ///
+    /// First harmonic of the lines' axial distribution: `ρ + c·cos 2θ + s·sin 2θ`; 0 off the map.
+    #[inline]
+    pub fn route_flow(&self, x_m: f32, y_m: f32, heading_rad: f32) -> f32 {
+        let Some((node, fx, fy)) = self.grid.bilinear(x_m, y_m) else { return 0.0 };
+        let weights = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
+        let nodes = [node, node + 1, node + self.grid.nx, node + self.grid.nx + 1];
+        let mut value = [0.0f32; 3];
+        for (node, weight) in nodes.into_iter().zip(weights) {
+            for c in 0..3 {
+                value[c] += weight * self.routes[node][c];
+            }
+        }
+        let (sin, cos) = libm::sincosf(2.0 * heading_rad);
+        (value[0] + value[1] * cos + value[2] * sin).max(0.0)
     }
 
     /// Bilinear value of one of the map's layers at a place; nothing where unknown.

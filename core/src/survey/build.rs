@@ -21,6 +21,8 @@ pub struct SurveyParams {
     pub deviation_length_m: f64,
     /// Route distances are given up to this, in metres.
     pub route_reach_m: f64,
+    /// Standard deviation of the Gaussian by which a line counts at a distance, in metres.
+    pub route_width_m: f64,
 }
 
 impl Default for SurveyParams {
@@ -31,6 +33,7 @@ impl Default for SurveyParams {
             field_reach_m: 8.0,
             deviation_length_m: 2.0,
             route_reach_m: 10.0,
+            route_width_m: 0.8,
         }
     }
 }
@@ -106,7 +109,7 @@ pub fn build_floor(
         transmitters: radio::fit_transmitters(walks, &surveyed.tracks),
         layers: Layers::default(),
     };
-    map.layers.route_distance_m = route_distances_m(&frame, &map.routes, params.route_reach_m);
+    grid_routes(&mut map, params);
     grid_field(&mut map, surveyed.readings, params, |_| true);
     map.layers.compass_deviation_rad = smoothed_deviations(&frame, &surveyed.deviations, params);
     Ok(map)
@@ -185,8 +188,30 @@ pub(super) fn grid_field(
     }
 }
 
+/// Grids the distance to the map's routes, and their density and axis.
+pub(super) fn grid_routes(map: &mut FloorMap, params: &SurveyParams) {
+    let frame = map.frame;
+    map.layers.route_distance_m = route_distances_m(&frame, &map.routes, params.route_reach_m);
+    let mut sums = vec![[0.0f32; 3]; frame.len()];
+    for line in map.routes.iter().flat_map(|route| route.windows(2)) {
+        let segment = Segment { a: line[0], b: line[1] };
+        let axis_rad = 2.0 * (segment.b - segment.a).heading_rad();
+        let (sin, cos) = libm::sincos(axis_rad);
+        for (node, place) in nodes_near(&frame, &segment, 3.0 * params.route_width_m) {
+            let apart = segment.distance_m(place) / params.route_width_m;
+            let weight = libm::exp(-0.5 * apart * apart);
+            sums[node][0] += weight as f32;
+            sums[node][1] += (weight * cos) as f32;
+            sums[node][2] += (weight * sin) as f32;
+        }
+    }
+    map.layers.route_density = sums.iter().map(|s| s[0]).collect();
+    map.layers.route_axis_cos = sums.iter().map(|s| s[1]).collect();
+    map.layers.route_axis_sin = sums.iter().map(|s| s[2]).collect();
+}
+
 /// Distance of every node to the nearest route, up to `reach_m`.
-pub(super) fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach_m: f64) -> Vec<f32> {
+fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach_m: f64) -> Vec<f32> {
     let mut distances_m = vec![reach_m as f32; frame.len()];
     for line in routes.iter().flat_map(|route| route.windows(2)) {
         let segment = Segment { a: line[0], b: line[1] };

@@ -6,7 +6,7 @@ use crate::floor_plan::FloorPlan;
 use crate::geometry::Point2;
 use crate::map::{FloorIndex, FloorMap};
 use crate::metrics::ScoredFix;
-use crate::survey::build::{Surveyed, grid_field, route_distances_m};
+use crate::survey::build::{Surveyed, grid_field, grid_routes};
 use crate::survey::{SurveyParams, SurveyTrack, SurveyWalk};
 use crate::system::Recipe;
 use crate::tracker::Tracker;
@@ -73,7 +73,7 @@ pub fn leave_one_walk_out(
     }
     let mut map = FloorMap { plan: plan.clone(), ..map.clone() };
     map.routes = others.routes();
-    map.layers.route_distance_m = route_distances_m(&map.frame, &map.routes, params.route_reach_m);
+    grid_routes(&mut map, params);
     let near: Vec<Point2> = track.steps().iter().map(|step| step.position).collect();
     grid_field(&mut map, others.readings, params, |place| near.iter().any(|p| p.distance_m(place) < REGRID_M));
     let floor = Arc::new(FloorIndex::new(map));

@@ -1,0 +1,165 @@
+//! One walk: a text trace read as a stream of records.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read as _};
+use std::path::{Path, PathBuf};
+
+use super::line::{self, Line};
+use super::rejections::{LineFault, LineRejections};
+use crate::error::FormatError;
+use crate::recording::Record;
+
+/// Streams the records of one trace of the indoor-location-competition-20 collection.
+///
+/// A malformed line is counted in [`rejections`](Self::rejections) and left out; two records glued onto one line are
+/// taken apart. Records come in the file's order, duplicates included. Memory is one line, of 64 KiB at most.
+///
+/// # Errors
+/// An item is an error, and the last one, when reading fails or when none of the first 200 lines is of the format.
+///
+/// # Example
+/// ```
+/// use fieldwalk_formats::{Record, ilc::TraceReader};
+///
+/// let text = "1574559495263\tTYPE_WAYPOINT\t81.5\t93.25\n";
+/// let records: Vec<Record> = TraceReader::new(text.as_bytes(), "walk.txt").collect::<Result<_, _>>()?;
+/// assert!(matches!(records[..], [Record::Waypoint { point, .. }] if point.x_m == 81.5));
+/// # Ok::<(), fieldwalk_formats::FormatError>(())
+/// ```
+#[derive(Debug)]
+pub struct TraceReader<R> {
+    reader: R,
+    name: PathBuf,
+    /// The current line; records before `cursor` have been handed out.
+    line: Vec<u8>,
+    cursor: usize,
+    line_number: u64,
+    has_valid_line: bool,
+    is_done: bool,
+    rejections: LineRejections,
+}
+
+/// Longest line kept; the longest of the collection has 134 bytes.
+const MAX_LINE_BYTES: usize = 64 * 1024;
+
+/// A file without a valid line among this many is something else.
+const MAX_FOREIGN_LINES: u64 = 200;
+
+impl TraceReader<BufReader<File>> {
+    /// Opens the trace at `path`.
+    ///
+    /// # Errors
+    /// When the file cannot be opened.
+    pub fn open(path: &Path) -> Result<Self, FormatError> {
+        let file = File::open(path).map_err(|error| FormatError::io("open the trace", path, error))?;
+        Ok(Self::new(BufReader::with_capacity(MAX_LINE_BYTES, file), path))
+    }
+}
+
+impl<R: BufRead> TraceReader<R> {
+    /// Reads the trace that `reader` gives; `name` stands for it in errors.
+    pub fn new(reader: R, name: impl Into<PathBuf>) -> Self {
+        Self {
+            reader,
+            name: name.into(),
+            line: Vec::new(),
+            cursor: 0,
+            line_number: 0,
+            has_valid_line: false,
+            is_done: false,
+            rejections: LineRejections::default(),
+        }
+    }
+
+    /// The lines left out so far.
+    pub fn rejections(&self) -> &LineRejections {
+        &self.rejections
+    }
+
+    /// Brings the next line into `line`; false at the end of the file.
+    fn read_line(&mut self) -> io::Result<bool> {
+        self.line.clear();
+        self.cursor = 0;
+        let n_read = self.reader.by_ref().take(MAX_LINE_BYTES as u64).read_until(b'\n', &mut self.line)?;
+        if n_read == 0 {
+            return Ok(false);
+        }
+        self.line_number += 1;
+        if self.line.last() == Some(&b'\n') {
+            self.line.pop();
+            self.line.pop_if(|byte| *byte == b'\r');
+        } else if n_read == MAX_LINE_BYTES && self.reader.skip_until(b'\n')? > 0 {
+            self.rejections.add(self.line_number, LineFault::TooLong);
+            self.line.clear();
+        }
+        Ok(true)
+    }
+
+    /// The next record of the current line.
+    fn next_of_line(&mut self) -> Option<Record> {
+        while self.cursor < self.line.len() {
+            let rest = &self.line[self.cursor..];
+            if rest[0] == b'#' {
+                // A comment: the header, or the `endTime` that closes a trace.
+                break;
+            }
+            let (parsed, end) = line::parse_first(rest);
+            self.cursor += end;
+            self.has_valid_line |= parsed.is_ok();
+            match parsed {
+                Ok(Line::Record(record)) => return Some(record),
+                Ok(Line::StaleWifi) => self.rejections.n_stale_wifi += 1,
+                Ok(Line::Skipped) => {}
+                Err(fault) => self.rejections.add(self.line_number, fault),
+            }
+        }
+        self.cursor = self.line.len();
+        None
+    }
+
+    fn foreign(&self) -> FormatError {
+        let (line, cause) = match self.rejections.first() {
+            Some((line, fault)) => (line, fault.to_string()),
+            None => (self.line_number.max(1), "no record in it".to_owned()),
+        };
+        let message = format!("not an indoor-location-competition trace: {cause}");
+        FormatError::malformed(
+            message,
+            "give a text file of the collection, with lines such as `1574559495263<tab>TYPE_WAYPOINT<tab>x<tab>y`",
+        )
+        .at_path(&self.name)
+        .at_line(line)
+    }
+}
+
+impl<R: BufRead> Iterator for TraceReader<R> {
+    type Item = Result<Record, FormatError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.is_done {
+            return None;
+        }
+        loop {
+            if let Some(record) = self.next_of_line() {
+                return Some(Ok(record));
+            }
+            let is_foreign_so_far = !self.has_valid_line;
+            if is_foreign_so_far && self.line_number >= MAX_FOREIGN_LINES {
+                self.is_done = true;
+                return Some(Err(self.foreign()));
+            }
+            match self.read_line() {
+                Ok(true) => {}
+                Ok(false) => {
+                    self.is_done = true;
+                    return is_foreign_so_far.then(|| Err(self.foreign()));
+                }
+                Err(error) => {
+                    self.is_done = true;
+                    let error = FormatError::io("read the trace", &self.name, error);
+                    return Some(Err(error.at_line(self.line_number + 1)));
+                }
+            }
+        }
+    }
+}

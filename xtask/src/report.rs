@@ -1,0 +1,109 @@
+//! What the stages found, as a table and one plain last line.
+
+use std::fmt;
+use std::time::Duration;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    Passed,
+    Failed,
+    Skipped,
+}
+
+/// What one stage did: its verdict, why it failed, and everything that it left out.
+#[derive(Debug)]
+pub struct Outcome {
+    pub verdict: Verdict,
+    pub failures: Vec<String>,
+    pub skipped: Vec<String>,
+}
+
+impl Outcome {
+    /// Failed if anything failed; otherwise passed, even if parts were left out.
+    pub fn new(failures: Vec<String>, skipped: Vec<String>) -> Self {
+        let verdict = if failures.is_empty() { Verdict::Passed } else { Verdict::Failed };
+        Self { verdict, failures, skipped }
+    }
+
+    /// The whole stage was left out.
+    pub fn skipped(reason: impl Into<String>) -> Self {
+        Self { verdict: Verdict::Skipped, failures: Vec::new(), skipped: vec![reason.into()] }
+    }
+}
+
+impl From<Result<(), String>> for Outcome {
+    fn from(result: Result<(), String>) -> Self {
+        Self::new(result.err().into_iter().collect(), Vec::new())
+    }
+}
+
+/// The outcomes of a run, in order.
+#[derive(Debug, Default)]
+pub struct Report {
+    lines: Vec<(&'static str, Outcome, Duration)>,
+}
+
+impl Report {
+    pub fn add(&mut self, stage: &'static str, outcome: Outcome, time: Duration) {
+        self.lines.push((stage, outcome, time));
+    }
+
+    pub fn n_failed(&self) -> usize {
+        self.count(Verdict::Failed)
+    }
+
+    fn count(&self, verdict: Verdict) -> usize {
+        self.lines.iter().filter(|(_, outcome, _)| outcome.verdict == verdict).count()
+    }
+
+    /// Stages left out and parts left out of stages that ran.
+    fn n_skipped(&self) -> usize {
+        self.lines.iter().map(|(_, outcome, _)| outcome.skipped.len()).sum()
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "stage     result   seconds")?;
+        for (stage, outcome, time) in &self.lines {
+            let result = match outcome.verdict {
+                Verdict::Passed => "passed",
+                Verdict::Failed => "FAILED",
+                Verdict::Skipped => "SKIPPED",
+            };
+            writeln!(f, "{stage:<9} {result:<8} {:>7.1}", time.as_secs_f64())?;
+            for reason in &outcome.failures {
+                writeln!(f, "          failed: {reason}")?;
+            }
+            for reason in &outcome.skipped {
+                writeln!(f, "          skipped: {reason}")?;
+            }
+        }
+        let seconds: f64 = self.lines.iter().map(|(_, _, time)| time.as_secs_f64()).sum();
+        writeln!(f, "total              {seconds:>7.1}")?;
+        writeln!(
+            f,
+            "{} passed, {} failed, {} skipped",
+            self.count(Verdict::Passed),
+            self.n_failed(),
+            self.n_skipped()
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_line_counts_failures_and_everything_left_out() {
+        let mut report = Report::default();
+        report.add("format", Outcome::from(Ok(())), Duration::from_secs(1));
+        report.add("deny", Outcome::new(vec![], vec!["advisories".into()]), Duration::from_secs(2));
+        report.add("docs", Outcome::from(Err("broken link".into())), Duration::from_secs(3));
+        report.add("aarch64", Outcome::skipped("no qemu"), Duration::ZERO);
+        let text = report.to_string();
+        assert_eq!(text.lines().last(), Some("2 passed, 1 failed, 2 skipped"));
+        assert!(text.contains("failed: broken link") && text.contains("skipped: no qemu"), "{text}");
+    }
+}

@@ -1,0 +1,128 @@
+//! The stages of `cargo xtask test`, cheapest complaint first.
+
+use std::time::Instant;
+
+use crate::arguments::Arguments;
+use crate::process::{find_program, run as execute, succeeds};
+use crate::report::{Outcome, Report, Verdict};
+use crate::workspace::Workspace;
+use crate::{aarch64, fuzz, install, tidy};
+
+/// One kind of check.
+#[derive(Debug)]
+pub struct Stage {
+    pub name: &'static str,
+    /// Belongs to `--quick`.
+    quick: bool,
+    run: fn(&Workspace, &Arguments) -> Outcome,
+}
+
+pub const STAGES: &[Stage] = &[
+    Stage { name: "install", quick: false, run: |workspace, _| install::run(workspace) },
+    Stage { name: "format", quick: true, run: |workspace, _| format(workspace) },
+    Stage { name: "tidy", quick: true, run: |workspace, _| tidy::run(workspace) },
+    Stage { name: "clippy", quick: true, run: |workspace, _| clippy(workspace) },
+    Stage { name: "docs", quick: true, run: |workspace, _| docs(workspace) },
+    Stage { name: "deny", quick: false, run: |workspace, _| deny(workspace) },
+    Stage { name: "test", quick: true, run: |workspace, _| test(workspace) },
+    Stage {
+        name: "fuzz",
+        quick: false,
+        run: |workspace, arguments| fuzz::run(workspace, arguments.fuzz_seconds),
+    },
+    Stage { name: "aarch64", quick: false, run: |workspace, _| aarch64::run(workspace) },
+];
+
+/// Runs the stages asked for; one that fails does not keep the next from running.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Report {
+    let mut report = Report::default();
+    for stage in STAGES {
+        if !arguments.only.is_empty() && !arguments.only.iter().any(|name| name == stage.name) {
+            continue;
+        }
+        eprintln!("\n== {} ==", stage.name);
+        let start = Instant::now();
+        let outcome = if arguments.quick && !stage.quick {
+            Outcome::skipped("left out by --quick")
+        } else {
+            (stage.run)(workspace, arguments)
+        };
+        for reason in &outcome.failures {
+            eprintln!("FAILED {}: {reason}", stage.name);
+        }
+        for reason in &outcome.skipped {
+            eprintln!("SKIPPED {}: {reason}", stage.name);
+        }
+        if outcome.verdict == Verdict::Passed {
+            eprintln!("{} passed in {:.1} s", stage.name, start.elapsed().as_secs_f64());
+        }
+        report.add(stage.name, outcome, start.elapsed());
+    }
+    report
+}
+
+fn format(workspace: &Workspace) -> Outcome {
+    if !succeeds(&mut workspace.cargo("fmt --version")) {
+        return Outcome::skipped("rustfmt is missing: rustup component add rustfmt");
+    }
+    let own = execute(&mut workspace.cargo("fmt --all --check"));
+    let fuzz = if workspace.root.join("fuzz/Cargo.toml").exists() {
+        execute(&mut workspace.cargo("fmt --manifest-path fuzz/Cargo.toml --check"))
+    } else {
+        Ok(())
+    };
+    Outcome::new([own, fuzz].into_iter().filter_map(Result::err).collect(), Vec::new())
+}
+
+fn clippy(workspace: &Workspace) -> Outcome {
+    if !succeeds(&mut workspace.cargo("clippy --version")) {
+        return Outcome::skipped("clippy is missing: rustup component add clippy");
+    }
+    execute(&mut workspace.cargo("clippy --workspace --all-targets -- -D warnings")).into()
+}
+
+fn docs(workspace: &Workspace) -> Outcome {
+    let mut doc = workspace.cargo("doc --workspace --no-deps");
+    execute(doc.env("RUSTDOCFLAGS", "-D warnings")).into()
+}
+
+fn deny(workspace: &Workspace) -> Outcome {
+    let Some(cargo_deny) = install::find_cargo_deny(workspace) else {
+        return Outcome::skipped(format!("cargo-deny is missing: {}", install::CARGO_DENY_REMEDY));
+    };
+    let tree = execute(workspace.command(&cargo_deny).args([
+        "check",
+        "--hide-inclusion-graph",
+        "bans",
+        "licenses",
+        "sources",
+    ]));
+    let mut failures: Vec<String> = tree.err().into_iter().collect();
+    let mut skipped = Vec::new();
+    // The advisory database is a git repository of its own; without a network there is nothing to compare with.
+    if find_program("git").is_some() && succeeds(workspace.command(&cargo_deny).args(["fetch", "db"])) {
+        failures.extend(execute(workspace.command(&cargo_deny).args(["check", "advisories"])).err());
+    } else {
+        skipped.push(
+            "advisories: the RustSec database cannot be fetched; with a network: cargo deny check advisories"
+                .into(),
+        );
+    }
+    Outcome::new(failures, skipped)
+}
+
+/// Unit, property, replay and documentation tests.
+///
+/// Tests that miss a recording add a line to the file named by `FIELDWALK_SKIP_LOG`, so that what was left out is
+/// seen here too.
+fn test(workspace: &Workspace) -> Outcome {
+    let skip_log = workspace.target.join("skipped-tests.txt");
+    let _ = std::fs::remove_file(&skip_log);
+    let result =
+        execute(workspace.cargo("test --workspace --no-fail-fast").env("FIELDWALK_SKIP_LOG", &skip_log));
+    let mut skipped: Vec<String> =
+        std::fs::read_to_string(&skip_log).unwrap_or_default().lines().map(str::to_owned).collect();
+    skipped.sort();
+    skipped.dedup();
+    Outcome::new(result.err().into_iter().collect(), skipped)
+}
