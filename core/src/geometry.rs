@@ -106,9 +106,8 @@ impl Segment {
         let (d1, d2) = (side(p, q, r), side(p, q, s));
         let (d3, d4) = (side(r, s, p), side(r, s, q));
         if d1 == 0.0 && d2 == 0.0 {
-            let overlap = |a0: f64, a1: f64, b0: f64, b1: f64| {
-                a0.min(a1) <= b0.max(b1) && b0.min(b1) <= a0.max(a1)
-            };
+            let overlap =
+                |a0: f64, a1: f64, b0: f64, b1: f64| a0.min(a1) <= b0.max(b1) && b0.min(b1) <= a0.max(a1);
             return overlap(p.x_m, q.x_m, r.x_m, s.x_m) && overlap(p.y_m, q.y_m, r.y_m, s.y_m);
         }
         d1 * d2 <= 0.0 && d3 * d4 <= 0.0

@@ -123,14 +123,17 @@ impl Pedestrian {
     fn push_field(&mut self, time: Timestamp, field_ut: [f32; 3]) {
         let dt_s = self.magnetometer.last_time.replace(time).map_or(0.0, |last| time.secs_since(last));
         self.level.push_field(time, field_ut, dt_s);
-        let (Some(level), Some(forward)) = (self.level.to_level(field_ut), self.level.forward()) else { return };
+        let (Some(level), Some(forward)) = (self.level.to_level(field_ut), self.level.forward()) else {
+            return;
+        };
         self.sums.n_field += 1;
         self.sums.forward_field_ut[0] += level[0] * forward[1] - level[1] * forward[0];
         self.sums.forward_field_ut[1] += level[0] * forward[0] + level[1] * forward[1];
         self.sums.forward_field_ut[2] += level[2];
         let strength_ut = LevelField { field_ut: level }.strength_ut();
         let a = (dt_s / (STRENGTH_TAU_S + dt_s)) as f32;
-        let smoothed = self.magnetometer.smoothed_strength_ut.map_or(strength_ut, |s| s + a * (strength_ut - s));
+        let smoothed =
+            self.magnetometer.smoothed_strength_ut.map_or(strength_ut, |s| s + a * (strength_ut - s));
         self.magnetometer.smoothed_strength_ut = Some(smoothed);
     }
 }

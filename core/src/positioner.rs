@@ -67,7 +67,10 @@ impl core::fmt::Display for PositionError {
             Self::BadHint => write!(f, "the hint is not a place on this plan: check its point and radius"),
             Self::TimeInPast { asked, consumed } => {
                 let behind_ms = (*consumed - *asked).as_nanos() / 1_000_000;
-                write!(f, "asked for a time {behind_ms} ms before the last consumed sample: ask for now or later")
+                write!(
+                    f,
+                    "asked for a time {behind_ms} ms before the last consumed sample: ask for now or later"
+                )
             }
             Self::NoFix => write!(f, "no position yet: give a hint, or let the wearer walk a few steps"),
             Self::ForeignSnapshot => {
@@ -261,8 +264,9 @@ impl Positioner {
                 .iter()
                 .map(|h| RadioObservation { transmitter: h.transmitter, rssi_dbm: h.sum_dbm / h.n as f32 }),
         );
-        self.observations
-            .sort_unstable_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm).then(a.transmitter.cmp(&b.transmitter)));
+        self.observations.sort_unstable_by(|a, b| {
+            b.rssi_dbm.total_cmp(&a.rssi_dbm).then(a.transmitter.cmp(&b.transmitter))
+        });
         self.progress.heard.clear();
         self.tracker.step(&event, &self.observations);
         self.progress.last_step = Some(event);

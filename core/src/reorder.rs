@@ -69,7 +69,9 @@ impl ReorderWindow {
             self.rejections.late += 1;
             return;
         }
-        if self.newest.is_some_and(|newest| sample.time - newest > JUMP) && !self.is_believed_jump(sample.time) {
+        if self.newest.is_some_and(|newest| sample.time - newest > JUMP)
+            && !self.is_believed_jump(sample.time)
+        {
             self.rejections.jumped += 1;
             return;
         }

@@ -15,6 +15,8 @@ pub struct StepCycle {
     pub frequency_hz: f32,
     /// Peak minus the trough before it, of the filtered vertical acceleration, in m/s².
     pub amplitude_m_s2: f32,
+    /// Whether it starts a walk from standing.
+    pub is_first: bool,
 }
 
 /// Parameters of [`PhoneStepDetector`].
@@ -138,6 +140,7 @@ impl PhoneStepDetector {
             end: peak,
             frequency_hz: (1.0 / period_s) as f32,
             amplitude_m_s2: amplitude,
+            is_first: !walking,
         })
     }
 }
@@ -169,7 +172,18 @@ pub enum StepLengthModel {
     },
 }
 
+/// Share of a full step by which the body advances at the first step of a walk.
+///
+/// From standing with both feet together the first swing moves the body half a step (gait initiation).
+const FIRST_STEP_SHARE: f32 = 0.5;
+
 impl StepLengthModel {
+    /// How far `cycle` carries the walker by this model, in metres.
+    pub fn advance_m(&self, cycle: &StepCycle) -> f32 {
+        let share = if cycle.is_first { FIRST_STEP_SHARE } else { 1.0 };
+        share * self.length_m(cycle.frequency_hz, cycle.amplitude_m_s2)
+    }
+
     /// The length of a step of this frequency and amplitude, in metres; between 0.2 and 1.2.
     pub fn length_m(&self, frequency_hz: f32, amplitude_m_s2: f32) -> f32 {
         let length_m = match *self {

@@ -72,7 +72,8 @@ impl SurveyWalk {
 
     /// Takes a waypoint in; one that is not finite, or not after the last one, is counted and dropped.
     pub fn push_waypoint(&mut self, waypoint: Waypoint) {
-        if !waypoint.point.is_finite() || self.waypoints.last().is_some_and(|last| last.time >= waypoint.time) {
+        if !waypoint.point.is_finite() || self.waypoints.last().is_some_and(|last| last.time >= waypoint.time)
+        {
             self.n_refused_waypoints += 1;
         } else {
             self.waypoints.push(waypoint);

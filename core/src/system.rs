@@ -116,16 +116,23 @@ pub enum PlanRule {
     },
 }
 
-/// How the surveyed routes attract particles: `power·ln((floor + flow) / floor)` is added at every step.
+/// How the surveyed routes attract particles.
 ///
-/// The flow is the density of surveyed lines along the particle's heading. A survey walks where people walk, so its
-/// lines are a prior of place and direction; the floor keeps places that it left out possible.
+/// A survey walks where people walk. Its density is a prior of the place where a walk begins; at later steps only
+/// leaving the routes costs weight, since a density applied at every step would pull particles along their way
+/// towards its maxima.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RouteParams {
-    /// Power of the flow; 0 ignores the routes.
-    pub power: f32,
-    /// The flow of a place that no line passes, in lines.
-    pub floor: f32,
+    /// At the start, `power·ln(floor + density)` is added to the log weight.
+    pub start_power: f32,
+    /// The density of a place that no line passes, in lines.
+    pub start_floor: f32,
+    /// No cost up to this distance from a surveyed line, in metres.
+    pub free_m: f32,
+    /// Added to the log weight, at every step, per metre beyond.
+    pub log_weight_per_m: f32,
+    /// The most that is added (a negative number).
+    pub min_log_weight: f32,
 }
 
 /// What the magnetic field says of a particle.
@@ -140,7 +147,8 @@ pub enum MagneticRule {
     FieldVector(FieldVectorParams),
 }
 
-/// How the stated radii follow from the cloud: `radius = sqrt((scale·r)² + floor²)`.
+/// How the stated radii follow from the cloud: `radius_68 = sqrt((scale·r_68)² + floor²)` and
+/// `radius_95 = tail·sqrt((scale·r_95)² + (1.62·floor)²)`.
 ///
 /// The cloud knows only what the recipe models; scale and floor make the radii true as often as they say on
 /// recordings.
@@ -148,8 +156,10 @@ pub enum MagneticRule {
 pub struct AccuracyParams {
     /// Factor on the cloud's radii.
     pub scale: f32,
-    /// The smallest 68 % radius, in metres; the 95 % floor is 1.6 times that (a circular normal's ratio).
+    /// The smallest 68 % radius, in metres; the 95 % floor is 1.62 times that (a circular normal's ratio).
     pub floor_m: f32,
+    /// Factor on the 95 % radius alone: errors have heavier tails than clouds.
+    pub tail: f32,
 }
 
 /// The step-length model fitted over surveyed segments of many walks.
@@ -186,7 +196,7 @@ impl Recipe {
             magnetic: MagneticRule::Ignore,
             radio: None,
             resample_below: 0.0,
-            accuracy: AccuracyParams { scale: 1.0, floor_m: 0.8 },
+            accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },
         }
     }
 
@@ -201,7 +211,7 @@ impl Recipe {
             length: FITTED_LENGTH,
             motion: MotionParams {
                 heading: HeadingRule::CompensatedCompass,
-                direction_sd_rad: 0.15,
+                direction_sd_rad: 0.3,
                 length: LengthRule::Genetic {
                     a_m: 0.18,
                     a_sd_m: 0.04,
@@ -217,7 +227,7 @@ impl Recipe {
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
             radio: None,
             resample_below: 1.0,
-            accuracy: AccuracyParams { scale: 1.5, floor_m: 1.0 },
+            accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },
         }
     }
 
@@ -230,14 +240,20 @@ impl Recipe {
             motion: MotionParams {
                 heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
                 direction_sd_rad: 0.06,
-                length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.004, step_sd: 0.08 },
+                length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
             plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
-            routes: Some(RouteParams { power: 0.1, floor: 0.5 }),
+            routes: Some(RouteParams {
+                start_power: 2.0,
+                start_floor: 0.5,
+                free_m: 2.5,
+                log_weight_per_m: -0.03,
+                min_log_weight: -0.3,
+            }),
             magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
             radio: Some(RadioParams::default()),
-            resample_below: 0.5,
-            accuracy: AccuracyParams { scale: 1.0, floor_m: 0.8 },
+            resample_below: 0.7,
+            accuracy: AccuracyParams { scale: 1.3, floor_m: 1.25, tail: 1.15 },
         }
     }
 

@@ -103,9 +103,8 @@ impl Tracker {
     pub fn place(&mut self, point: Point2, radius_m: f64) {
         let n = self.recipe.n_particles.max(1);
         let (seed, step) = (self.seed, self.state.n_steps);
-        let coordinate = |centre_m: f64, bits: u32| {
-            (centre_m + radius_m * (2.0 * f64::from(uniform(bits)) - 1.0)) as f32
-        };
+        let coordinate =
+            |centre_m: f64, bits: u32| (centre_m + radius_m * (2.0 * f64::from(uniform(bits)) - 1.0)) as f32;
         let bits = (0..n as u32).map(|i| draw(seed, step, i, Purpose::Start));
         let (x_m, y_m) = bits.map(|b| (coordinate(point.x_m, b[0]), coordinate(point.y_m, b[1]))).unzip();
         self.occupy(x_m, y_m);
@@ -156,12 +155,17 @@ impl Tracker {
         let (crossing, closed) = match self.recipe.plan {
             PlanRule::Ignore => return,
             PlanRule::Purge => (f32::NEG_INFINITY, f32::NEG_INFINITY),
-            PlanRule::Soft { crossing_log_weight, closed_log_weight } => (crossing_log_weight, closed_log_weight),
+            PlanRule::Soft { crossing_log_weight, closed_log_weight } => {
+                (crossing_log_weight, closed_log_weight)
+            }
         };
         for i in 0..particles.x_m.len() {
             let to = [particles.x_m[i], particles.y_m[i]];
             if !self.floor.is_open(to[0], to[1]) {
                 particles.log_weight[i] += closed;
+                if particles.log_weight[i] == f32::NEG_INFINITY {
+                    continue;
+                }
             }
             if self.floor.is_blocked([self.scratch.from_x_m[i], self.scratch.from_y_m[i]], to) {
                 particles.log_weight[i] += crossing;
@@ -171,10 +175,14 @@ impl Tracker {
 
     fn apply_routes(&mut self) {
         let Some(routes) = self.recipe.routes else { return };
+        let distances = &self.floor.map().layers.route_distance_m;
         let particles = &mut self.state.particles;
         for i in 0..particles.x_m.len() {
-            let flow = self.floor.route_flow(particles.x_m[i], particles.y_m[i], particles.heading_rad[i]);
-            particles.log_weight[i] += routes.power * libm::logf(1.0 + flow / routes.floor);
+            let distance_m = self.floor.nearest(distances, particles.x_m[i], particles.y_m[i]);
+            let cost = distance_m.map_or(routes.min_log_weight, |d| {
+                (routes.log_weight_per_m * (d - routes.free_m).max(0.0)).max(routes.min_log_weight)
+            });
+            particles.log_weight[i] += cost;
         }
     }
 
@@ -198,7 +206,8 @@ impl Tracker {
     /// Turns log weights into weights, the largest of them 1; false when no particle is left alive.
     fn weigh(&mut self) -> bool {
         let particles = &mut self.state.particles;
-        let best = particles.log_weight.iter().fold(f32::NEG_INFINITY, |best, &w| if w > best { w } else { best });
+        let best =
+            particles.log_weight.iter().fold(f32::NEG_INFINITY, |best, &w| if w > best { w } else { best });
         if !best.is_finite() {
             return false;
         }
@@ -215,14 +224,16 @@ impl Tracker {
         if self.state.particles.is_empty() || self.scratch.weights.len() != self.state.particles.len() {
             return;
         }
-        let estimate = CloudEstimate::of(&self.state.particles, &self.scratch.weights, &mut self.scratch.estimate);
+        let estimate =
+            CloudEstimate::of(&self.state.particles, &self.scratch.weights, &mut self.scratch.estimate);
         self.estimate = estimate.or(self.estimate);
     }
 
     fn resample(&mut self) {
         let n = self.state.particles.len() as f64;
-        let is_degenerate =
-            self.estimate.is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
+        let is_degenerate = self
+            .estimate
+            .is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
         if is_degenerate || self.recipe.resample_below >= 1.0 {
             let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
             self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);

@@ -26,8 +26,6 @@ pub struct FloorIndex {
     map: FloorMap,
     /// Field x, y, z and variance per node.
     field: Vec<[f32; 4]>,
-    /// Route density, axis cosine and axis sine per node; zero where unknown.
-    routes: Vec<[f32; 3]>,
     grid: GridLookup,
     ground: Vec<u8>,
     ground_grid: GridLookup,
@@ -62,25 +60,11 @@ impl FloorIndex {
                 ]
             })
             .collect();
-        let known = |values: &[f32], node: usize| {
-            let value = layer(values, node);
-            if value.is_nan() { 0.0 } else { value }
-        };
-        let routes = (0..n)
-            .map(|node| {
-                [
-                    known(&map.layers.route_density, node),
-                    known(&map.layers.route_axis_cos, node),
-                    known(&map.layers.route_axis_sin, node),
-                ]
-            })
-            .collect();
         let ground_frame = GridFrame::covering(map.plan.width_m, map.plan.height_m, PLAN_CELL_M);
         let wall_frame = GridFrame::covering(map.plan.width_m, map.plan.height_m, WALL_CELL_M);
         let (wall_starts, walls) = bucketed_walls(&map.plan, &wall_frame);
         Self {
             field,
-            routes,
             grid: GridLookup::new(&map.frame),
             ground: rasterised(&map.plan, &ground_frame),
             ground_grid: GridLookup::new(&ground_frame),
@@ -101,7 +85,12 @@ impl FloorIndex {
     pub fn field(&self, x_m: f32, y_m: f32) -> Option<[f32; 4]> {
         let (node, fx, fy) = self.grid.bilinear(x_m, y_m)?;
         let nx = self.grid.nx;
-        let corners = [self.field.get(node)?, self.field.get(node + 1)?, self.field.get(node + nx)?, self.field.get(node + nx + 1)?];
+        let corners = [
+            self.field.get(node)?,
+            self.field.get(node + 1)?,
+            self.field.get(node + nx)?,
+            self.field.get(node + nx + 1)?,
+        ];
         let weights = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
         let mut value = [0.0f32; 4];
         for (corner, weight) in corners.into_iter().zip(weights) {
@@ -110,24 +99,6 @@ impl FloorIndex {
             }
         }
         (!value[0].is_nan() && !value[3].is_nan()).then_some(value)
-    }
-
-    /// Surveyed lines passing a place in direction `heading_rad` or against it: between 0 and twice the density.
-    ///
-    /// First harmonic of the lines' axial distribution: `ρ + c·cos 2θ + s·sin 2θ`; 0 off the map.
-    #[inline]
-    pub fn route_flow(&self, x_m: f32, y_m: f32, heading_rad: f32) -> f32 {
-        let Some((node, fx, fy)) = self.grid.bilinear(x_m, y_m) else { return 0.0 };
-        let weights = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
-        let nodes = [node, node + 1, node + self.grid.nx, node + self.grid.nx + 1];
-        let mut value = [0.0f32; 3];
-        for (node, weight) in nodes.into_iter().zip(weights) {
-            for c in 0..3 {
-                value[c] += weight * self.routes[node][c];
-            }
-        }
-        let (sin, cos) = libm::sincosf(2.0 * heading_rad);
-        (value[0] + value[1] * cos + value[2] * sin).max(0.0)
     }
 
     /// Bilinear value of one of the map's layers at a place; nothing where unknown.
@@ -178,7 +149,8 @@ impl FloorIndex {
 #[inline]
 fn crosses(p: [f32; 2], q: [f32; 2], wall: &[f32; 4]) -> bool {
     let [rx, ry, sx, sy] = *wall;
-    let side = |ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32| (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+    let side =
+        |ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32| (bx - ax) * (y - ay) - (by - ay) * (x - ax);
     let (d1, d2) = (side(p[0], p[1], q[0], q[1], rx, ry), side(p[0], p[1], q[0], q[1], sx, sy));
     let (d3, d4) = (side(rx, ry, sx, sy, p[0], p[1]), side(rx, ry, sx, sy, q[0], q[1]));
     d1 * d2 < 0.0 && d3 * d4 <= 0.0
@@ -227,9 +199,12 @@ fn rasterised(plan: &FloorPlan, frame: &GridFrame) -> Vec<u8> {
         for j in 0..frame.ny {
             let y_m = frame.node(0, j).y_m;
             crossings.clear();
-            crossings.extend(edges.iter().filter(|e| (e.a.y_m > y_m) != (e.b.y_m > y_m)).map(|e| {
-                e.a.x_m + (e.b.x_m - e.a.x_m) * (y_m - e.a.y_m) / (e.b.y_m - e.a.y_m)
-            }));
+            crossings.extend(
+                edges
+                    .iter()
+                    .filter(|e| (e.a.y_m > y_m) != (e.b.y_m > y_m))
+                    .map(|e| e.a.x_m + (e.b.x_m - e.a.x_m) * (y_m - e.a.y_m) / (e.b.y_m - e.a.y_m)),
+            );
             crossings.sort_by(f64::total_cmp);
             for pair in crossings.chunks_exact(2) {
                 let from = ((pair[0] - frame.origin.x_m) / frame.cell_m).ceil().max(0.0) as usize;
@@ -261,8 +236,11 @@ fn bucketed_walls(plan: &FloorPlan, frame: &GridFrame) -> (Vec<u32>, Vec<[f32; 4
         };
         let (x0, x1) = (wall.a.x_m.min(wall.b.x_m) - margin_m, wall.a.x_m.max(wall.b.x_m) + margin_m);
         let (y0, y1) = (wall.a.y_m.min(wall.b.y_m) - margin_m, wall.a.y_m.max(wall.b.y_m) + margin_m);
-        for j in index(y0, frame.origin.y_m, frame.ny)..=index(y1 + frame.cell_m, frame.origin.y_m, frame.ny) {
-            for i in index(x0, frame.origin.x_m, frame.nx)..=index(x1 + frame.cell_m, frame.origin.x_m, frame.nx) {
+        for j in index(y0, frame.origin.y_m, frame.ny)..=index(y1 + frame.cell_m, frame.origin.y_m, frame.ny)
+        {
+            for i in
+                index(x0, frame.origin.x_m, frame.nx)..=index(x1 + frame.cell_m, frame.origin.x_m, frame.nx)
+            {
                 // The diagonal of the square of places that a move centred here may touch.
                 if wall.distance_m(frame.node(i, j)) <= margin_m * core::f64::consts::SQRT_2 {
                     buckets[j * frame.nx + i].push(wall);
@@ -286,7 +264,9 @@ mod tests {
     use crate::floor_plan::{Polygon, Unit};
 
     fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Polygon {
-        Polygon { rings: vec![[(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point2::new(x, y)).to_vec()] }
+        Polygon {
+            rings: vec![[(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Point2::new(x, y)).to_vec()],
+        }
     }
 
     fn floor() -> FloorIndex {
@@ -294,7 +274,11 @@ mod tests {
             width_m: 10.0,
             height_m: 8.0,
             outline: vec![rectangle(0.0, 0.0, 10.0, 8.0)],
-            units: vec![Unit { name: "shop".into(), walkable: false, polygon: rectangle(4.0, 4.0, 6.0, 6.0) }],
+            units: vec![Unit {
+                name: "shop".into(),
+                walkable: false,
+                polygon: rectangle(4.0, 4.0, 6.0, 6.0),
+            }],
             ..FloorPlan::default()
         };
         let frame = GridFrame::covering(10.0, 8.0, 1.0);

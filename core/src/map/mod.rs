@@ -45,10 +45,6 @@ pub struct Layers {
     pub route_distance_m: Layer,
     /// Number of surveyed lines that pass here, each counted by a Gaussian of its distance.
     pub route_density: Layer,
-    /// The same lines' mean of `cos 2φ` times `route_density`, φ the line's heading: which way people walk here.
-    pub route_axis_cos: Layer,
-    /// The same with `sin 2φ`.
-    pub route_axis_sin: Layer,
 }
 
 /// A radio transmitter as the survey heard it: a log-distance path-loss model.
@@ -121,7 +117,7 @@ impl GridFrame {
 
 impl Layers {
     /// The layers with their names on disk, in the order in which they are written.
-    pub fn named(&self) -> [(&'static str, &Layer); 10] {
+    pub fn named(&self) -> [(&'static str, &Layer); 8] {
         let Self {
             field_x_ut,
             field_y_ut,
@@ -131,8 +127,6 @@ impl Layers {
             compass_deviation_rad,
             route_distance_m,
             route_density,
-            route_axis_cos,
-            route_axis_sin,
         } = self;
         [
             ("field_x_ut", field_x_ut),
@@ -143,8 +137,6 @@ impl Layers {
             ("compass_deviation_rad", compass_deviation_rad),
             ("route_distance_m", route_distance_m),
             ("route_density", route_density),
-            ("route_axis_cos", route_axis_cos),
-            ("route_axis_sin", route_axis_sin),
         ]
     }
 
@@ -159,8 +151,6 @@ impl Layers {
             "compass_deviation_rad" => &mut self.compass_deviation_rad,
             "route_distance_m" => &mut self.route_distance_m,
             "route_density" => &mut self.route_density,
-            "route_axis_cos" => &mut self.route_axis_cos,
-            "route_axis_sin" => &mut self.route_axis_sin,
             _ => return None,
         })
     }

@@ -33,7 +33,7 @@ impl Default for FieldVectorParams {
             bias_sd_ut: 5.0,
             bias_walk_sd_ut: 0.2,
             degrees_of_freedom: 4.0,
-            tempering: 0.12,
+            tempering: 0.1,
         }
     }
 }
@@ -41,17 +41,25 @@ impl Default for FieldVectorParams {
 /// Adds the tempered log-likelihood of `observed` (forward frame) to every particle and updates its bias.
 ///
 /// Particles off the map keep their weight: an unknown place is no evidence.
-pub fn update(params: &FieldVectorParams, floor: &FloorIndex, observed: &LevelField, particles: &mut Particles) {
+pub fn update(
+    params: &FieldVectorParams,
+    floor: &FloorIndex,
+    observed: &LevelField,
+    particles: &mut Particles,
+) {
     let noise_ut2 = params.noise_sd_ut * params.noise_sd_ut;
     let walk_ut2 = params.bias_walk_sd_ut * params.bias_walk_sd_ut;
     let nu = params.degrees_of_freedom;
     let [right, ahead, up] = observed.field_ut;
     for i in 0..particles.x_m.len() {
         let Some([fx, fy, fz, map_ut2]) = floor.field(particles.x_m[i], particles.y_m[i]) else { continue };
-        let (sin, cos) = libm::sincosf(particles.heading_rad[i]);
+        let (sin, cos) = (particles.heading_sin[i], particles.heading_cos[i]);
         let bias = [particles.bias_x_ut[i], particles.bias_y_ut[i], particles.bias_z_ut[i]];
-        let innovation =
-            [right - (fx * cos - fy * sin) - bias[0], ahead - (fx * sin + fy * cos) - bias[1], up - fz - bias[2]];
+        let innovation = [
+            right - (fx * cos - fy * sin) - bias[0],
+            ahead - (fx * sin + fy * cos) - bias[1],
+            up - fz - bias[2],
+        ];
         let bias_ut2 = particles.bias_variance_ut2[i] + walk_ut2;
         let reading_ut2 = noise_ut2 + map_ut2.max(0.0);
         let total_ut2 = bias_ut2 + reading_ut2;
@@ -95,7 +103,8 @@ mod tests {
         Particles {
             x_m: vec![5.0; n],
             y_m: vec![5.0; n],
-            heading_rad: headings.to_vec(),
+            heading_sin: headings.iter().map(|h| libm::sinf(*h)).collect(),
+            heading_cos: headings.iter().map(|h| libm::cosf(*h)).collect(),
             bias_x_ut: vec![0.0; n],
             bias_y_ut: vec![0.0; n],
             bias_z_ut: vec![0.0; n],

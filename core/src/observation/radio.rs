@@ -18,7 +18,7 @@ pub struct RadioParams {
 
 impl Default for RadioParams {
     fn default() -> Self {
-        Self { tempering: 0.1, degrees_of_freedom: 4.0, max_transmitters: 12 }
+        Self { tempering: 0.05, degrees_of_freedom: 4.0, max_transmitters: 4 }
     }
 }
 
@@ -64,7 +64,8 @@ pub fn log_likelihood(nu: f32, transmitter: &Transmitter, rssi_dbm: f32, x_m: f3
     let (dx, dy) = (x_m - transmitter.position.x_m as f32, y_m - transmitter.position.y_m as f32);
     // Half of 10·log10 of the squared distance; never closer than a metre, where the model ends.
     let decades_half = libm::log10f((dx * dx + dy * dy).max(1.0));
-    let expected_dbm = transmitter.power_at_1m_dbm as f32 - 5.0 * transmitter.path_loss_exponent as f32 * decades_half;
+    let expected_dbm =
+        transmitter.power_at_1m_dbm as f32 - 5.0 * transmitter.path_loss_exponent as f32 * decades_half;
     let z = (rssi_dbm - expected_dbm) / transmitter.sigma_db as f32;
     -0.5 * (nu + 1.0) * libm::logf(1.0 + z * z / nu)
 }

@@ -48,14 +48,11 @@ impl CloudEstimate {
             square += w * w;
             x += w * f64::from(particles.x_m[i]);
             y += w * f64::from(particles.y_m[i]);
+            sin += w * f64::from(particles.heading_sin[i]);
+            cos += w * f64::from(particles.heading_cos[i]);
         }
         if !(total > 0.0 && total.is_finite()) {
             return None;
-        }
-        for (&heading, &w) in particles.heading_rad.iter().zip(weights) {
-            let (s, c) = libm::sincosf(heading);
-            sin += f64::from(w * s);
-            cos += f64::from(w * c);
         }
         let (x, y) = (x / total, y / total);
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -101,14 +98,15 @@ mod tests {
         let particles = Particles {
             x_m: vec![0.0, 2.0, 0.0, 2.0],
             y_m: vec![0.0, 0.0, 4.0, 4.0],
-            heading_rad: vec![0.1; 4],
+            heading_sin: vec![0.6; 4],
+            heading_cos: vec![0.8; 4],
             ..Particles::default()
         };
         let estimate = CloudEstimate::of(&particles, &[1.0; 4], &mut EstimateScratch::default()).unwrap();
         assert_eq!((estimate.x_m, estimate.y_m), (1.0, 2.0));
         assert_eq!(estimate.covariance_m2, [[1.0, 0.0], [0.0, 4.0]]);
         assert_eq!(estimate.effective_sample_size, 4.0);
-        assert!((estimate.heading_rad - 0.1).abs() < 1e-6);
+        assert!((estimate.heading_rad - libm::atan2(0.6, 0.8)).abs() < 1e-6);
         // All four lie √5 ≈ 2.236 m away: in the bin from 2.2 m to 2.3 m.
         assert!(estimate.radius_68_m > 2.2 && estimate.radius_95_m < 2.3);
         assert_eq!(CloudEstimate::of(&particles, &[0.0; 4], &mut EstimateScratch::default()), None);

@@ -15,8 +15,10 @@ pub struct Particles {
     pub x_m: Vec<f32>,
     /// Position along the floor's y, in metres.
     pub y_m: Vec<f32>,
-    /// Heading of the latest move, in radians.
-    pub heading_rad: Vec<f32>,
+    /// Sine of the walking direction at the latest move (its component along x).
+    pub heading_sin: Vec<f32>,
+    /// Cosine of the walking direction at the latest move (its component along y).
+    pub heading_cos: Vec<f32>,
     /// Walking direction minus level-frame heading of the device, in radians.
     pub heading_offset_rad: Vec<f32>,
     /// This walker's steps over the length model's.
@@ -66,11 +68,12 @@ impl Particles {
         self.x_m.is_empty()
     }
 
-    fn arrays(&mut self) -> [&mut Vec<f32>; 14] {
+    fn arrays(&mut self) -> [&mut Vec<f32>; 15] {
         let Self {
             x_m,
             y_m,
-            heading_rad,
+            heading_sin,
+            heading_cos,
             heading_offset_rad,
             length_scale,
             gene_a_m,
@@ -86,7 +89,8 @@ impl Particles {
         [
             x_m,
             y_m,
-            heading_rad,
+            heading_sin,
+            heading_cos,
             heading_offset_rad,
             length_scale,
             gene_a_m,

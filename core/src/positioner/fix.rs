@@ -101,7 +101,7 @@ pub(super) fn assemble(inputs: &Inputs<'_>) -> Fix {
         speed_m_s,
         covariance_m2: estimate.covariance_m2,
         radius_68_m: radius_m(estimate.radius_68_m, floor_m),
-        radius_95_m: radius_m(estimate.radius_95_m, RATIO_95_TO_68 * floor_m),
+        radius_95_m: f64::from(accuracy.tail) * radius_m(estimate.radius_95_m, RATIO_95_TO_68 * floor_m),
         mode: match last_step {
             _ if is_stale => Mode::Stale,
             None => Mode::Started,

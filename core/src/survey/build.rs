@@ -60,7 +60,9 @@ impl core::fmt::Display for SurveyError {
                 f,
                 "none of {n_walks} walks has steps between two waypoints: tap a waypoint at the start and end of every line"
             ),
-            Self::NoField => write!(f, "no walk holds magnetometer readings: survey with a device that has one"),
+            Self::NoField => {
+                write!(f, "no walk holds magnetometer readings: survey with a device that has one")
+            }
             Self::BadPlan => write!(f, "the plan has no extent in metres: give its width and height"),
         }
     }
@@ -188,26 +190,19 @@ pub(super) fn grid_field(
     }
 }
 
-/// Grids the distance to the map's routes, and their density and axis.
+/// Grids the distance to the map's routes and their density.
 pub(super) fn grid_routes(map: &mut FloorMap, params: &SurveyParams) {
     let frame = map.frame;
     map.layers.route_distance_m = route_distances_m(&frame, &map.routes, params.route_reach_m);
-    let mut sums = vec![[0.0f32; 3]; frame.len()];
+    let mut density = vec![0.0f32; frame.len()];
     for line in map.routes.iter().flat_map(|route| route.windows(2)) {
         let segment = Segment { a: line[0], b: line[1] };
-        let axis_rad = 2.0 * (segment.b - segment.a).heading_rad();
-        let (sin, cos) = libm::sincos(axis_rad);
         for (node, place) in nodes_near(&frame, &segment, 3.0 * params.route_width_m) {
             let apart = segment.distance_m(place) / params.route_width_m;
-            let weight = libm::exp(-0.5 * apart * apart);
-            sums[node][0] += weight as f32;
-            sums[node][1] += (weight * cos) as f32;
-            sums[node][2] += (weight * sin) as f32;
+            density[node] += libm::exp(-0.5 * apart * apart) as f32;
         }
     }
-    map.layers.route_density = sums.iter().map(|s| s[0]).collect();
-    map.layers.route_axis_cos = sums.iter().map(|s| s[1]).collect();
-    map.layers.route_axis_sin = sums.iter().map(|s| s[2]).collect();
+    map.layers.route_density = density;
 }
 
 /// Distance of every node to the nearest route, up to `reach_m`.

@@ -75,7 +75,9 @@ pub fn leave_one_walk_out(
     map.routes = others.routes();
     grid_routes(&mut map, params);
     let near: Vec<Point2> = track.steps().iter().map(|step| step.position).collect();
-    grid_field(&mut map, others.readings, params, |place| near.iter().any(|p| p.distance_m(place) < REGRID_M));
+    grid_field(&mut map, others.readings, params, |place| {
+        near.iter().any(|p| p.distance_m(place) < REGRID_M)
+    });
     let floor = Arc::new(FloorIndex::new(map));
     let mut tracker = Tracker::new(recipe.clone(), floor, seed);
     let waypoints = track.waypoints();
@@ -88,8 +90,7 @@ pub fn leave_one_walk_out(
         }
         let Some(estimate) = tracker.estimate() else { continue };
         let error_m = Point2::new(estimate.x_m, estimate.y_m).distance_m(waypoint.point);
-        let fix =
-            ScoredFix { error_m, radius_68_m: estimate.radius_68_m, radius_95_m: estimate.radius_95_m };
+        let fix = ScoredFix { error_m, radius_68_m: estimate.radius_68_m, radius_95_m: estimate.radius_95_m };
         scored.push((waypoint.point, fix));
     }
     scored

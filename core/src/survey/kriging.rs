@@ -35,7 +35,7 @@ impl Default for KrigingParams {
             long_length_m: 12.0,
             long_sd_ut: 4.0,
             nugget_sd_ut: 3.5,
-            walk_sd_ut: 3.0,
+            walk_sd_ut: 4.0,
         }
     }
 }

@@ -44,7 +44,7 @@ impl SurveyTrack {
             .iter()
             .map(|step| {
                 let cycle = step.cycle;
-                (cycle.start, cycle.end, f64::from(model.length_m(cycle.frequency_hz, cycle.amplitude_m_s2)))
+                (cycle.start, cycle.end, f64::from(model.advance_m(&cycle)))
             })
             .collect();
         let mut track = Self { waypoints: walk.waypoints().to_vec(), steps, placed: Vec::new() };
@@ -78,7 +78,9 @@ impl SurveyTrack {
         self.steps
             .iter()
             .take_while(|(start, _, _)| *start < time)
-            .map(|&(start, end, length_m)| length_m * (time.secs_since(start) / end.secs_since(start)).clamp(0.0, 1.0))
+            .map(|&(start, end, length_m)| {
+                length_m * (time.secs_since(start) / end.secs_since(start)).clamp(0.0, 1.0)
+            })
             .sum()
     }
 
@@ -96,7 +98,10 @@ impl SurveyTrack {
     }
 
     fn segment(&self, time: Timestamp) -> Option<(Waypoint, Waypoint)> {
-        self.waypoints.windows(2).map(|w| (w[0], w[1])).find(|(from, to)| from.time <= time && time <= to.time)
+        self.waypoints
+            .windows(2)
+            .map(|w| (w[0], w[1]))
+            .find(|(from, to)| from.time <= time && time <= to.time)
     }
 
     /// Per segment: its middle, the line's direction minus the steps' direction, and how much that counts.

@@ -8,7 +8,7 @@ use crate::tracker::Tracker;
 impl Tracker {
     /// Moves every particle by one step of its own length in its own direction.
     pub(super) fn move_particles(&mut self, event: &StepEvent) {
-        let modelled_m = self.recipe.length.length_m(event.cycle.frequency_hz, event.cycle.amplitude_m_s2);
+        let modelled_m = self.recipe.length.advance_m(&event.cycle);
         let motion = self.recipe.motion;
         let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
         let deviations = &self.floor.map().layers.compass_deviation_rad;
@@ -26,7 +26,9 @@ impl Tracker {
                 LengthRule::Genetic { a_walk_sd_m, b_walk_sd_m, step_sd_m, .. } => {
                     particles.gene_a_m[i] += a_walk_sd_m * noise[2];
                     particles.gene_b_m[i] += b_walk_sd_m * noise[3];
-                    particles.gene_a_m[i] * event.cycle.frequency_hz + particles.gene_b_m[i] + step_sd_m * noise[1]
+                    particles.gene_a_m[i] * event.cycle.frequency_hz
+                        + particles.gene_b_m[i]
+                        + step_sd_m * noise[1]
                 }
             }
             .clamp(0.0, 1.5);
@@ -40,12 +42,37 @@ impl Tracker {
                     event.level_heading_rad + particles.heading_offset_rad[i]
                 }
             };
-            particles.heading_rad[i] = direction_rad;
-            let (sin, cos) = libm::sincosf(direction_rad + motion.direction_sd_rad * noise[0]);
-            particles.x_m[i] += length_m * sin;
-            particles.y_m[i] += length_m * cos;
+            let (sin, cos) = libm::sincosf(direction_rad);
+            particles.heading_sin[i] = sin;
+            particles.heading_cos[i] = cos;
+            let (noise_sin, noise_cos) = small_sin_cos(motion.direction_sd_rad * noise[0]);
+            particles.x_m[i] += length_m * (sin * noise_cos + cos * noise_sin);
+            particles.y_m[i] += length_m * (cos * noise_cos - sin * noise_sin);
             lengths_m += f64::from(length_m);
         }
         self.state.step_length_m = lengths_m / n.max(1) as f64;
+    }
+}
+
+/// Sine and cosine of a small angle by their series: within 1e-3 below one radian, where noise lives.
+#[inline]
+fn small_sin_cos(angle_rad: f32) -> (f32, f32) {
+    let square = angle_rad * angle_rad;
+    let sin = angle_rad * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)));
+    let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)));
+    (sin, cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::small_sin_cos;
+
+    #[test]
+    fn the_series_follow_the_functions() {
+        for k in -10..=10 {
+            let angle_rad = 0.1 * k as f32;
+            let (sin, cos) = small_sin_cos(angle_rad);
+            assert!((sin - libm::sinf(angle_rad)).abs() < 1e-3 && (cos - libm::cosf(angle_rad)).abs() < 1e-3);
+        }
     }
 }

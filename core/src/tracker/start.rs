@@ -18,7 +18,8 @@ impl Tracker {
     pub(super) fn occupy(&mut self, x_m: Vec<f32>, y_m: Vec<f32>) {
         let n = x_m.len();
         let mut particles = Particles { x_m, y_m, log_weight: vec![0.0; n], ..Particles::default() };
-        particles.heading_rad = vec![0.0; n];
+        particles.heading_sin = vec![0.0; n];
+        particles.heading_cos = vec![1.0; n];
         let genes: Vec<[f32; 2]> = (0..n as u32)
             .map(|i| {
                 let bits = draw(self.seed, self.state.n_steps, i, Purpose::Genes);
@@ -39,7 +40,9 @@ impl Tracker {
             MagneticRule::MassCentered(params) => {
                 let strengths = &self.floor.map().layers.strength_ut;
                 particles.strength_ut = (0..n)
-                    .map(|i| self.floor.layer(strengths, particles.x_m[i], particles.y_m[i]).unwrap_or(f32::NAN))
+                    .map(|i| {
+                        self.floor.layer(strengths, particles.x_m[i], particles.y_m[i]).unwrap_or(f32::NAN)
+                    })
                     .collect();
                 particles.delta_errors_ut = vec![f32::NAN; n * params.window.max(1)];
             }
@@ -48,6 +51,13 @@ impl Tracker {
                 particles.bias_y_ut = vec![0.0; n];
                 particles.bias_z_ut = vec![0.0; n];
                 particles.bias_variance_ut2 = vec![params.bias_sd_ut * params.bias_sd_ut; n];
+            }
+        }
+        if let Some(routes) = self.recipe.routes {
+            let densities = &self.floor.map().layers.route_density;
+            for i in 0..n {
+                let density = self.floor.layer(densities, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
+                particles.log_weight[i] = routes.start_power * libm::logf(routes.start_floor + density);
             }
         }
         self.state.particles = particles;
@@ -113,7 +123,8 @@ impl Tracker {
             let bits = draw(seed, step, i as u32, Purpose::Genes);
             let offset = match event.azimuth_rad() {
                 Some(azimuth) => {
-                    let deviation = self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
+                    let deviation =
+                        self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
                     azimuth + deviation - event.level_heading_rad + start_sd_rad * self.normal.sample(bits[2])
                 }
                 None => core::f32::consts::TAU * uniform(bits[2]),
@@ -127,10 +138,12 @@ impl Tracker {
         self.state.n_recoveries += 1;
         let Some(estimate) = self.estimate else { return };
         let offsets = core::mem::take(&mut self.state.particles.heading_offset_rad);
-        let headings = core::mem::take(&mut self.state.particles.heading_rad);
+        let sin = core::mem::take(&mut self.state.particles.heading_sin);
+        let cos = core::mem::take(&mut self.state.particles.heading_cos);
         self.place(Point2::new(estimate.x_m, estimate.y_m), RECOVERY_RADIUS_M);
         self.state.particles.heading_offset_rad = offsets;
-        self.state.particles.heading_rad = headings;
+        self.state.particles.heading_sin = sin;
+        self.state.particles.heading_cos = cos;
         self.state.is_oriented = true;
         self.weigh();
     }
