@@ -68,7 +68,7 @@ pub fn read_plan(bytes: &[u8]) -> Result<FloorPlan, FormatError> {
     let placement = Placement::new(&member, &outline)?;
 
     let mut plan = placement.empty_plan();
-    plan.outline = placement.polygons(&outline)?;
+    plan.outline = placement.outline(&outline)?;
     for (feature, kind) in collection.features.iter().zip(&kinds) {
         match kind {
             Kind::Unit { walkable } => {

@@ -120,6 +120,13 @@ fn unfit_plans_are_refused_with_a_remedy() {
         ("{".to_owned(), "not GeoJSON"),
         (r#"{"type": "Point", "coordinates": [1, 2]}"#.to_owned(), "collection"),
         (r#"{"type": "FeatureCollection", "features": []}"#.to_owned(), "no outline"),
+        (
+            r#"{"type": "FeatureCollection", "fieldwalk": {"frame": "metres", "width_m": 9, "height_m": 9},
+            "features": [{"type": "Feature", "properties": {"kind": "outline"},
+            "geometry": {"type": "Polygon", "coordinates": [[[0, 0]]]}}]}"#
+                .to_owned(),
+            "no outline",
+        ),
         (collection("", flat, ""), "extent"),
         (collection(metres, flat, ""), "extent"),
         (collection("", "[[0, 0], [400, 0], [400, 100], [0, 0]]", ""), "out of range"),

@@ -42,7 +42,7 @@ pub fn read_ilc_plan(floor_info_json: &[u8], geojson_json: &[u8]) -> Result<Floo
     let member = PlanMember { width_m: Some(width), height_m: Some(height), ..PlanMember::default() };
     let placement = Placement::new(&member, &outline)?;
     let mut plan = placement.empty_plan();
-    plan.outline = placement.polygons(&outline)?;
+    plan.outline = placement.outline(&outline)?;
     for (index, feature) in collection.features.iter().enumerate() {
         if index != outline_index {
             add_units(&mut plan, feature, false, placement.polygons(&shapes::polygons(feature))?);

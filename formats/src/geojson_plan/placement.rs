@@ -125,6 +125,12 @@ impl Placement {
         FloorPlan { width_m, height_m, georeference: self.georeference, ..FloorPlan::default() }
     }
 
+    /// The outline in the floor frame; an error when none of its rings has three corners.
+    pub(super) fn outline(&self, polygons: &[&PolygonType]) -> Result<Vec<Polygon>, FormatError> {
+        let outline = self.polygons(polygons)?;
+        if outline.is_empty() { Err(no_outline()) } else { Ok(outline) }
+    }
+
     /// Polygons in the floor frame, rings opened; rings without area are left out.
     pub(super) fn polygons(&self, polygons: &[&PolygonType]) -> Result<Vec<Polygon>, FormatError> {
         let mut placed = Vec::with_capacity(polygons.len());
@@ -185,10 +191,7 @@ fn bounds(outline: &[&PolygonType]) -> Result<([f64; 2], [f64; 2]), FormatError>
         }
     }
     if low[0] > high[0] {
-        return Err(FormatError::malformed(
-            "the plan has no outline",
-            "draw the floor's outer boundary as a polygon with the property `\"kind\": \"outline\"`",
-        ));
+        return Err(no_outline());
     }
     Ok((low, high))
 }
@@ -221,4 +224,11 @@ fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
 /// The member as JSON.
 pub(super) fn member_to_json(member: &PlanMember) -> JsonValue {
     serde_json::to_value(member).unwrap_or(JsonValue::Null)
+}
+
+fn no_outline() -> FormatError {
+    FormatError::malformed(
+        "the plan has no outline",
+        "draw the floor's outer boundary as a polygon with the property `\"kind\": \"outline\"`",
+    )
 }

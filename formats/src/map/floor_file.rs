@@ -95,7 +95,8 @@ impl<'a> FloorFile<'a> {
         let at = digest_position(&self.file[..self.header_end]).ok_or_else(no_digest)?;
         let (before, rest) = self.file.split_at(at);
         let (found, after) = rest.split_at(NO_DIGEST.len());
-        if disk::sha256_hex(&[before, &NO_DIGEST, after]).as_bytes() == found {
+        // No mutation of a fuzzer would ever get past a digest.
+        if cfg!(fuzzing) || disk::sha256_hex(&[before, &NO_DIGEST, after]).as_bytes() == found {
             return Ok(());
         }
         Err(FormatError::corrupt(
