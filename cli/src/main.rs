@@ -1,1 +1,7 @@
-fn main() {}
+//! The `fieldwalk` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    fieldwalk_cli::run()
+}

@@ -1,0 +1,285 @@
+//! What can be asked for on the command line.
+
+mod values;
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use fieldwalk::system::Recipe;
+
+use crate::evaluation::{N_FOLDS, Start};
+
+pub use values::{ReplayStart, Seeds};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  a file is missing, foreign or damaged, or holds too little: standard error
+     says which, why and what to do; `evaluate` and `replay` finish the others
+  2  the arguments are wrong";
+
+/// Indoor positioning on recordings: survey a floor, replay a walk, compare systems.
+#[derive(Debug, Parser)]
+#[command(name = "fieldwalk", version, propagate_version = true, after_help = EXIT_CODES, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Survey(SurveyArguments),
+    Replay(ReplayArguments),
+    Evaluate(EvaluateArguments),
+}
+
+/// The layouts of folders that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Layout {
+    /// indoor-location-competition-20: floor_info.json, geojson_map.json, and traces/ or path_data_files/.
+    Ilc,
+}
+
+impl Layout {
+    /// Its name, in arguments and in rows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ilc => "ilc",
+        }
+    }
+}
+
+/// Build a building's map from surveyed floors.
+///
+/// Each floor's plan and walks become one file of the map; the table tells what the survey covers and how accurate
+/// positions on it should be. A walk that cannot be used is listed with the reason and left out.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  fieldwalk survey site1/F1 --out mall.map
+  fieldwalk survey site1 --out mall.map --name 'West Mall' --coverage
+  fieldwalk survey site1/F1 --fold 0 --out honest.map
+      # a map that has not seen the walks of fold 0: replay those on it
+
+See `fieldwalk --help` for the exit codes.")]
+pub struct SurveyArguments {
+    /// Floors: their folders, or folders that hold such folders.
+    #[arg(value_name = "DIR", required = true)]
+    pub dirs: Vec<PathBuf>,
+
+    /// How the folders are laid out.
+    #[arg(long, alias = "dataset", value_name = "LAYOUT", default_value = "ilc")]
+    pub dataset_layout: Layout,
+
+    /// The map: a folder, made if need be; a map that is there is replaced.
+    #[arg(long, value_name = "MAPDIR")]
+    pub out: PathBuf,
+
+    /// The building's name [default: the name of the folder that holds the floors].
+    #[arg(long)]
+    pub name: Option<String>,
+
+    /// Leave the test walks of this fold out, 0 to 3 (see `fieldwalk evaluate --help`).
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..i64::from(N_FOLDS)))]
+    pub fold: Option<u8>,
+
+    /// Stop at the coverage: do not position each walk on the map of the others, which takes the most time.
+    #[arg(long, visible_alias = "coverage")]
+    pub no_expected_accuracy: bool,
+
+    /// Print one JSON object a floor instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Run a system over recordings and print its fixes.
+///
+/// A fix is printed at every step, and at every waypoint with its error; then a summary with what was rejected.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  fieldwalk replay mall.map site1/F1/traces/walk.txt --floor F1
+  fieldwalk replay mall.map walk.txt --floor F1 --start 12.5,40 --json
+  fieldwalk replay mall.map walk.txt --floor F1 --bits
+      # compare the line with another machine's
+
+A log is replayed in order of time; what comes more than 16384 records late is
+rejected, and counted like every other rejection.
+
+See `fieldwalk --help` for the exit codes.")]
+pub struct ReplayArguments {
+    /// The building's map, as `fieldwalk survey` writes it.
+    #[arg(value_name = "MAPDIR")]
+    pub map: PathBuf,
+
+    /// Recordings: text traces of indoor-location-competition-20.
+    #[arg(value_name = "TRACE", required = true)]
+    pub traces: Vec<PathBuf>,
+
+    /// The floor by name; may be left out when the building has one.
+    #[arg(long, value_name = "NAME")]
+    pub floor: Option<String>,
+
+    /// The system to run.
+    #[arg(long, value_name = "NAME", default_value = "fused", value_parser = PossibleValuesParser::new(Recipe::NAMES))]
+    pub system: String,
+
+    /// Random seed, 0 to 2^64 - 1: the same recording, map, system and seed give the same fixes to the bit.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+
+    /// What is known of the start: `waypoint` (the recording's first), `cold` (nothing), or `X,Y` in metres.
+    #[arg(long, value_name = "START", default_value = "waypoint", allow_hyphen_values = true)]
+    pub start: ReplayStart,
+
+    /// How far off the start may be along each axis, in metres, 0.1 to 1000.
+    #[arg(long, value_name = "M", default_value_t = 2.0, value_parser = values::radius_m)]
+    pub start_radius: f64,
+
+    /// Print only a SHA-256 over the exact bits of all fixes, one line a recording.
+    #[arg(long)]
+    pub bits: bool,
+
+    /// Print one JSON object a line: `fix`, `waypoint`, and one `summary` a recording.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Compare systems on recordings with known places.
+///
+/// Per floor, one map is built from the survey walks, and every system is scored on the test walks, which the map has
+/// not seen. A walk is a test walk of fold K (0 to 3) when the two low bits of the last byte of SHA-1(file name) equal
+/// K, so that each walk is a test walk of exactly one of four folds.
+///
+/// Scored are the fixes at every waypoint but the first ("waypoint"), and midway in time between two waypoints
+/// ("midpoint"), the truth there being interpolated over the steps made.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  fieldwalk evaluate site1/F1 site1/F2
+  fieldwalk evaluate site1 --systems dead-reckoning,fused --folds 4 --json
+  fieldwalk evaluate --print-recipe fused > mine.json
+      # change its name and some parameters, then:
+  fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
+
+JSON: one object a floor (\"all\": the floors pooled), system and kind of point.
+  dataset, floor, system, start
+  points              \"waypoint\" or \"midpoint\"
+  n_walks             test walks, each counted once
+  n_points            scored points, each counted once a seed
+  n_without_fix       points without a fix, which are not scored
+  median_m mean_m p80_m p90_m                 errors
+  inside_68 inside_95                         share within the stated radii
+  radius_68_median_m                          median of the stated 68 % radii
+  step_us_median      time of a step on one thread, in microseconds
+  seeds               number of seeds
+A number that does not exist is null.
+
+See `fieldwalk --help` for the exit codes.")]
+pub struct EvaluateArguments {
+    /// Floors: their folders, or folders that hold such folders.
+    #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
+    pub dirs: Vec<PathBuf>,
+
+    /// How the folders are laid out.
+    #[arg(long, alias = "dataset-layout", value_name = "LAYOUT", default_value = "ilc")]
+    pub dataset: Layout,
+
+    /// The systems, separated by commas [default: all].
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = PossibleValuesParser::new(Recipe::NAMES))]
+    pub systems: Vec<String>,
+
+    /// Another system: a recipe as JSON, whose name must be new; may be given several times.
+    #[arg(long = "recipe", value_name = "FILE.json")]
+    pub recipes: Vec<PathBuf>,
+
+    /// Give every system the floor plan and the surveyed routes of `fused`; those that this changes are called
+    /// `NAME+plan`.
+    #[arg(long)]
+    pub with_plan: bool,
+
+    /// What a system is told of the start: `known:R`, the truth ± R m along each axis, uniform and seeded (R from 0.1
+    /// to 1000), or `cold`, nothing.
+    #[arg(long, default_value = "known:2")]
+    pub start: Start,
+
+    /// Random seeds: `A..B` (both included) and single ones, separated by commas; 1000 at most.
+    #[arg(long, default_value = "1..5")]
+    pub seeds: Seeds,
+
+    /// Score this fold, or these, separated by commas, 0 to 3; several are pooled, each with a map of its own
+    /// [default: 0].
+    #[arg(
+        long = "fold",
+        value_name = "K",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u8).range(0..i64::from(N_FOLDS)),
+        conflicts_with = "n_folds"
+    )]
+    pub folds: Vec<u8>,
+
+    /// Score the first N folds, 1 to 4, pooled: with 4, every walk is tested once.
+    #[arg(long = "folds", value_name = "N", value_parser = clap::value_parser!(u8).range(1..=i64::from(N_FOLDS)))]
+    pub n_folds: Option<u8>,
+
+    /// Print one JSON object a line instead of tables.
+    #[arg(long)]
+    pub json: bool,
+
+    /// Print a system's recipe as JSON, to change and give to --recipe.
+    #[arg(
+        long,
+        value_name = "NAME",
+        exclusive = true,
+        value_parser = PossibleValuesParser::new(Recipe::NAMES)
+    )]
+    pub print_recipe: Option<String>,
+}
+
+impl EvaluateArguments {
+    /// The folds to score, in order, each once.
+    pub fn chosen_folds(&self) -> Vec<u8> {
+        let mut folds = match self.n_folds {
+            Some(n) => (0..n).collect(),
+            None if self.folds.is_empty() => vec![0],
+            None => self.folds.clone(),
+        };
+        folds.sort_unstable();
+        folds.dedup();
+        folds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn folds(arguments: &[&str]) -> Result<Vec<u8>, clap::Error> {
+        let line = ["fieldwalk", "evaluate", "F1"].iter().chain(arguments);
+        match Arguments::try_parse_from(line)?.command {
+            Command::Evaluate(arguments) => Ok(arguments.chosen_folds()),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_commands_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn folds_are_a_number_or_a_choice() {
+        assert_eq!(folds(&[]).unwrap(), [0]);
+        assert_eq!(folds(&["--folds", "1"]).unwrap(), [0]);
+        assert_eq!(folds(&["--folds", "4"]).unwrap(), [0, 1, 2, 3]);
+        assert_eq!(folds(&["--fold", "2"]).unwrap(), [2]);
+        assert_eq!(folds(&["--fold", "3,1,3"]).unwrap(), [1, 3]);
+        for wrong in
+            [&["--folds", "0"][..], &["--folds", "5"], &["--fold", "4"], &["--fold", "1", "--folds", "4"]]
+        {
+            assert_eq!(folds(wrong).unwrap_err().exit_code(), 2, "{wrong:?}");
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! The commands.
+
+pub mod evaluate;
+pub mod replay;
+pub mod survey;

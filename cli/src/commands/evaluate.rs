@@ -1,0 +1,214 @@
+//! `fieldwalk evaluate`: systems compared on recordings with known places.
+
+mod recipe_file;
+
+use std::io::Write;
+
+use comfy_table::Table;
+use fieldwalk::survey::SurveyParams;
+use fieldwalk::system::Recipe;
+use fieldwalk_formats::FormatError;
+use fieldwalk_formats::ilc::Floor;
+use rayon::prelude::*;
+
+use crate::arguments::EvaluateArguments;
+use crate::evaluation::{Evaluation, FloorScores, PointKind, Row};
+use crate::floors::{FoundFloor, find_floors};
+use crate::progress;
+use crate::stop::{Stop, note};
+use crate::table::{number, table};
+
+/// The name under which all floors are pooled.
+const ALL: &str = "all";
+
+/// Scores the systems and prints the rows.
+pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
+    if let Some(name) = &arguments.print_recipe {
+        return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&named(name)?)?)?);
+    }
+    let evaluation = Evaluation {
+        recipes: recipes(arguments)?,
+        start: arguments.start,
+        seeds: arguments.seeds.0.clone(),
+        folds: arguments.chosen_folds(),
+        survey: SurveyParams::default(),
+    };
+    let found = find_floors(&arguments.dirs)?;
+    let (scores, n_failed) = score_floors(&evaluation, &found);
+    let rows = all_rows(&evaluation, arguments.dataset.name(), &scores);
+    if arguments.json {
+        for row in &rows {
+            writeln!(out, "{}", serde_json::to_string(row)?)?;
+        }
+    } else {
+        print_tables(&rows, scores.len() > 1, out)?;
+    }
+    if n_failed > 0 {
+        note(
+            "error",
+            &format!("{n_failed} of {} floors could not be evaluated and count nowhere", found.len()),
+        );
+        return Err(Stop::Incomplete);
+    }
+    if rows.is_empty() {
+        let dirs: Vec<_> = arguments.dirs.iter().map(|dir| dir.display().to_string()).collect();
+        let folds: Vec<_> = evaluation.folds.iter().map(u8::to_string).collect();
+        return Err(Stop::Failed(format!(
+            "{}: no test walk with two waypoints in fold {} (give another --fold, --folds 4, or more walks)",
+            dirs.join(", "),
+            folds.join(", ")
+        )));
+    }
+    Ok(())
+}
+
+/// The systems asked for, each once, and those from files.
+fn recipes(arguments: &EvaluateArguments) -> Result<Vec<Recipe>, Stop> {
+    let is_asked =
+        |name: &&str| arguments.systems.is_empty() || arguments.systems.iter().any(|asked| asked == name);
+    let mut recipes = Recipe::NAMES
+        .iter()
+        .filter(|name| is_asked(name))
+        .map(|name| named(name))
+        .collect::<Result<Vec<_>, _>>()?;
+    for path in &arguments.recipes {
+        let recipe = recipe_file::read(path)?;
+        let is_taken = |name: &str| name == recipe.name;
+        if Recipe::NAMES.into_iter().any(is_taken) || recipes.iter().any(|known| is_taken(&known.name)) {
+            return Err(FormatError::malformed(
+                format!("there is another system called `{}`", recipe.name),
+                "change the recipe's `name`",
+            )
+            .at_path(path)
+            .into());
+        }
+        recipes.push(recipe);
+    }
+    if arguments.with_plan {
+        for recipe in &mut recipes {
+            let with_plan = recipe.clone().with_plan();
+            if with_plan != *recipe {
+                *recipe = Recipe { name: format!("{}+plan", recipe.name), ..with_plan };
+            }
+        }
+    }
+    Ok(recipes)
+}
+
+fn named(name: &str) -> Result<Recipe, Stop> {
+    let unknown =
+        || Stop::Usage(format!("no system is called `{name}`: there are {}", Recipe::NAMES.join(", ")));
+    Recipe::named(name).ok_or_else(unknown)
+}
+
+/// Scores the floors side by side; says on standard error what could not be scored, and counts the floors that failed.
+fn score_floors(evaluation: &Evaluation, found: &[FoundFloor]) -> (Vec<(String, FloorScores)>, usize) {
+    let floors: Vec<_> = found.iter().map(|found| (found, Floor::open(&found.dir))).collect();
+    let n_ticks = floors.iter().flat_map(|(_, floor)| floor).map(|floor| evaluation.n_ticks(floor)).sum();
+    let bar = progress::bar("walks", n_ticks);
+    let scored: Vec<_> = floors
+        .into_par_iter()
+        .map(|(found, floor)| {
+            let scores = floor.and_then(|floor| evaluation.score_floor(&floor, || bar.inc(1)));
+            (found, scores.map_err(|error| located(error, found)))
+        })
+        .collect();
+    bar.finish_and_clear();
+    let mut scores = Vec::new();
+    let mut n_failed = 0;
+    for (FoundFloor { label, .. }, outcome) in scored {
+        match outcome {
+            Ok(floor) => {
+                warn(label, &floor);
+                scores.push((label.clone(), floor));
+            }
+            Err(error) => {
+                note("error", &format!("floor {label}: {error}"));
+                n_failed += 1;
+            }
+        }
+    }
+    (scores, n_failed)
+}
+
+fn located(error: FormatError, found: &FoundFloor) -> FormatError {
+    if error.path().is_some() { error } else { error.at_path(&found.dir) }
+}
+
+fn warn(label: &str, scores: &FloorScores) {
+    for path in &scores.without_waypoints {
+        note("warning", &format!("{}: no two waypoints, so nothing to score", path.display()));
+    }
+    if scores.n_walks() == 0 {
+        note(
+            "warning",
+            &format!("floor {label}: no test walk (give another --fold, --folds 4, or more walks)"),
+        );
+    }
+    if scores.n_starts_refused() > 0 {
+        let n = scores.n_starts_refused();
+        note(
+            "warning",
+            &format!("floor {label}: {n} test walks start off the plan and were scored without a start"),
+        );
+    }
+}
+
+/// The rows of each floor, then of all.
+fn all_rows(evaluation: &Evaluation, dataset: &str, scores: &[(String, FloorScores)]) -> Vec<Row> {
+    let per_floor = scores.iter().flat_map(|(label, floor)| evaluation.rows(dataset, label, &[floor]));
+    let pooled: Vec<&FloorScores> = scores.iter().map(|(_, floor)| floor).collect();
+    per_floor.chain(evaluation.rows(dataset, ALL, &pooled)).collect()
+}
+
+/// One table per kind of point; the pooled rows only where there are several floors.
+fn print_tables(rows: &[Row], has_several_floors: bool, out: &mut impl Write) -> Result<(), Stop> {
+    let Some(first) = rows.first() else { return Ok(()) };
+    let seeds = if first.seeds == 1 { "seed" } else { "seeds" };
+    writeln!(out, "{}, start {}, {} {seeds}; errors in metres", first.dataset, first.start, first.seeds)?;
+    for (kind, title) in
+        [(PointKind::Waypoint, "At waypoints"), (PointKind::Midpoint, "Midway between waypoints")]
+    {
+        let shown = |row: &&Row| row.points == kind && (has_several_floors || row.floor != ALL);
+        let shown: Vec<&Row> = rows.iter().filter(shown).collect();
+        writeln!(out, "\n{title}\n{}", error_table(&shown).trim_fmt())?;
+    }
+    Ok(())
+}
+
+fn error_table(rows: &[&Row]) -> Table {
+    let header = [
+        "floor",
+        "system",
+        "walks",
+        "points",
+        "no fix",
+        "median",
+        "mean",
+        "p80",
+        "p90",
+        "in 68 %",
+        "in 95 %",
+        "radius 68",
+        "µs/step",
+    ];
+    let cells = rows.iter().enumerate().map(|(k, row)| {
+        let is_repeated = k > 0 && rows[k - 1].floor == row.floor;
+        vec![
+            if is_repeated { String::new() } else { row.floor.clone() },
+            row.system.clone(),
+            row.n_walks.to_string(),
+            row.n_points.to_string(),
+            row.n_without_fix.to_string(),
+            number(row.median_m, 2),
+            number(row.mean_m, 2),
+            number(row.p80_m, 2),
+            number(row.p90_m, 2),
+            number(100.0 * row.inside_68, 0),
+            number(100.0 * row.inside_95, 0),
+            number(row.radius_68_median_m, 2),
+            number(row.step_us_median, 0),
+        ]
+    });
+    table(&header, 2, cells)
+}

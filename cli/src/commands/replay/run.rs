@@ -1,0 +1,142 @@
+//! One recording through a positioner, record by record.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use fieldwalk::Rejections;
+use fieldwalk::geometry::Point2;
+use fieldwalk::map::FloorIndex;
+use fieldwalk::positioner::{Fix, PositionError, PositionHint, Positioner};
+use fieldwalk::system::Recipe;
+use fieldwalk::time::Timestamp;
+use fieldwalk_formats::FormatError;
+use fieldwalk_formats::ilc::{LineRejections, TraceReader};
+use fieldwalk_formats::recording::Record;
+
+use crate::arguments::ReplayStart;
+use crate::in_order::InOrder;
+use crate::stop::Stop;
+
+/// What to run, and from where.
+#[derive(Debug)]
+pub struct Replay {
+    pub floor: Arc<FloorIndex>,
+    pub recipe: Recipe,
+    pub seed: u64,
+    pub start: ReplayStart,
+    /// How far off the start may be, in metres.
+    pub start_radius_m: f64,
+}
+
+/// Takes what a replay gives, in order of time.
+pub trait Sink {
+    /// A step was made; `time_s` counts from the recording's first record.
+    fn fix(&mut self, time_s: f64, fix: &Fix) -> Result<(), Stop>;
+
+    /// The walker stood at a known place.
+    fn waypoint(&mut self, time_s: f64, passed: &PassedWaypoint) -> Result<(), Stop>;
+
+    /// The recording has ended.
+    fn end(&mut self, ending: &Ending<'_>) -> Result<(), Stop>;
+}
+
+/// A waypoint and what was said there.
+#[derive(Debug)]
+pub struct PassedWaypoint {
+    /// Where the walker stood.
+    pub truth: Point2,
+    /// What the positioner said at that time.
+    pub fix: Result<Fix, PositionError>,
+    /// Whether it is the recording's first: the place where the start may come from.
+    pub is_first: bool,
+}
+
+/// What is known at the end of a recording.
+#[derive(Debug)]
+pub struct Ending<'a> {
+    /// From the first record to the last consumed, in seconds.
+    pub duration_s: f64,
+    /// Samples rejected, by cause.
+    pub samples: Rejections,
+    /// Lines rejected, by cause.
+    pub lines: &'a LineRejections,
+    /// Times that every particle died and the cloud was spread anew.
+    pub n_recoveries: u32,
+    /// Whether the system was told of a start.
+    pub is_started: bool,
+}
+
+impl Replay {
+    /// Runs the recording at `trace`, in order of time and never holding more than a part of it.
+    pub fn run(&self, trace: &Path, sink: &mut impl Sink) -> Result<(), Stop> {
+        let mut positioner = Positioner::new(Arc::clone(&self.floor), self.recipe.clone(), self.seed);
+        let mut reader = TraceReader::open(trace)?;
+        let mut began: Option<Timestamp> = None;
+        let mut last = Timestamp::MIN;
+        let (mut is_started, mut has_waypoint) = (false, false);
+        for record in InOrder::new(reader.by_ref()) {
+            let record = record?;
+            let time = record.time();
+            let first = *began.get_or_insert(time);
+            last = last.max(time);
+            let hint = match (self.start, &record) {
+                (ReplayStart::At(point), _) => Some(point),
+                (ReplayStart::Waypoint, Record::Waypoint { point, .. }) => Some(*point),
+                _ => None,
+            };
+            if let Some(point) = hint.filter(|_| !is_started) {
+                self.hint(&mut positioner, point, time, trace)?;
+                is_started = true;
+            }
+            match record {
+                Record::Sample(sample) => {
+                    if let Some(fix) = positioner.push(sample) {
+                        sink.fix(fix.time.secs_since(first), &fix)?;
+                    }
+                }
+                Record::Waypoint { time, point } => {
+                    let fix = positioner.fix_at(time);
+                    let passed = PassedWaypoint { truth: point, fix, is_first: !has_waypoint };
+                    sink.waypoint(time.secs_since(first), &passed)?;
+                    has_waypoint = true;
+                }
+            }
+        }
+        positioner.flush();
+        let first = began.unwrap_or(last);
+        if let Some(fix) = positioner.fix() {
+            sink.fix(fix.time.secs_since(first), &fix)?;
+        }
+        sink.end(&Ending {
+            duration_s: last.secs_since(first),
+            samples: positioner.rejections(),
+            lines: reader.rejections(),
+            n_recoveries: positioner.n_recoveries(),
+            is_started,
+        })
+    }
+
+    fn hint(
+        &self,
+        positioner: &mut Positioner,
+        point: Point2,
+        time: Timestamp,
+        trace: &Path,
+    ) -> Result<(), Stop> {
+        let map = self.floor.map();
+        let hint = PositionHint { point, radius_m: self.start_radius_m, floor: map.ordinal, time };
+        positioner.hint(hint).map_err(|_| {
+            let Point2 { x_m, y_m } = point;
+            let message = format!(
+                "the start, {x_m:.1}, {y_m:.1}, is not on the plan of floor {}, {:.0} m by {:.0} m",
+                map.name, map.plan.width_m, map.plan.height_m
+            );
+            FormatError::malformed(
+                message,
+                "check --floor and --start, and that the map is of the same building",
+            )
+            .at_path(trace)
+            .into()
+        })
+    }
+}

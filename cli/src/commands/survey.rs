@@ -1,0 +1,122 @@
+//! `fieldwalk survey`: walks become a building's map.
+
+mod expected;
+mod report;
+mod walks;
+
+use std::io::Write;
+
+use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
+use fieldwalk::survey::{Coverage, SurveyParams, build_floor};
+use fieldwalk_formats::FormatError;
+use fieldwalk_formats::ilc::{Floor, floor_ordinal};
+use fieldwalk_formats::map::write_building;
+
+use crate::arguments::SurveyArguments;
+use crate::floors::{FoundFloor, find_floors};
+use crate::stop::{Stop, note};
+
+use report::FloorReport;
+use walks::Walks;
+
+/// Maps the floors, writes the building and prints what it is worth.
+pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop> {
+    let found = find_floors(&arguments.dirs)?;
+    let floors = open_floors(&found)?;
+    let params = SurveyParams::default();
+    let mut building = BuildingMap { name: building_name(arguments, &floors)?, floors: Vec::new() };
+    let mut surveys = Vec::new();
+    for (found, floor) in found.iter().zip(&floors) {
+        let walks = Walks::read(floor, arguments.fold);
+        let map = map_floor(found, floor, &walks, &params)?;
+        building.floors.push(map);
+        surveys.push(walks);
+    }
+    write_building(&arguments.out, &building)?;
+    let files = report::floor_files(&arguments.out)?;
+    let mut reports = Vec::new();
+    for (map, walks) in building.floors.into_iter().zip(&surveys) {
+        let expected =
+            (!arguments.no_expected_accuracy).then(|| expected::accuracy(&map, walks, &params)).flatten();
+        let index = FloorIndex::new(map);
+        reports.push(FloorReport::new(&index, Coverage::of(&index), walks, &files, expected));
+    }
+    if arguments.json {
+        for report in &reports {
+            writeln!(out, "{}", serde_json::to_string(report)?)?;
+        }
+        return Ok(());
+    }
+    report::print(&building.name, &arguments.out, &reports, out)
+}
+
+/// Opens the floors, which must be of different names: a map tells floors apart by them.
+fn open_floors(found: &[FoundFloor]) -> Result<Vec<Floor>, FormatError> {
+    let mut floors: Vec<Floor> = Vec::new();
+    for FoundFloor { dir, .. } in found {
+        let floor = Floor::open(dir)?;
+        if floors.iter().any(|other| other.name == floor.name) {
+            let message = format!("another floor is called {} as well", floor.name);
+            return Err(FormatError::malformed(message, "survey one building at a time").at_path(dir));
+        }
+        if let Some(other) =
+            floors.iter().find(|other| floor_ordinal(&other.name) == floor_ordinal(&floor.name))
+        {
+            let ordinal = floor_ordinal(&floor.name);
+            note(
+                "warning",
+                &format!("by their names, {} and {} are both floor number {ordinal}", other.name, floor.name),
+            );
+        }
+        floors.push(floor);
+    }
+    Ok(floors)
+}
+
+fn building_name(arguments: &SurveyArguments, floors: &[Floor]) -> Result<String, Stop> {
+    if let Some(name) = &arguments.name {
+        return Ok(name.clone());
+    }
+    let site = floors.first().map_or("", |floor| &floor.site);
+    match floors.iter().find(|floor| floor.site != site) {
+        None => Ok(site.into()),
+        Some(other) => Err(Stop::Usage(format!(
+            "floors of the buildings {site} and {} are given: survey one at a time, or give --name",
+            other.site
+        ))),
+    }
+}
+
+fn map_floor(
+    found: &FoundFloor,
+    floor: &Floor,
+    walks: &Walks,
+    params: &SurveyParams,
+) -> Result<FloorMap, Stop> {
+    if walks.used.is_empty() {
+        return Err(Stop::Failed(no_walk(found, floor, walks)));
+    }
+    build_floor(&floor.name, floor_ordinal(&floor.name), &floor.plan, &walks.used, params)
+        .map_err(|error| Stop::Failed(format!("{}: {error}", found.dir.display())))
+}
+
+/// Why none of a floor's walks can be used.
+fn no_walk(found: &FoundFloor, floor: &Floor, walks: &Walks) -> String {
+    let dir = found.dir.display();
+    match walks.refused.as_slice() {
+        [] if floor.traces.is_empty() => {
+            format!("{dir}: no walk to survey with (put traces, *.txt, into its folder of walks)")
+        }
+        [] => format!(
+            "{dir}: every walk is a test walk of the fold left out (give another --fold, or more walks)"
+        ),
+        refused => {
+            let reasons: Vec<String> = refused.iter().map(|refused| format!("\n  {refused}")).collect();
+            format!(
+                "{dir}: none of {} walks can be used (tap a waypoint at the start and the end of every line){}",
+                refused.len(),
+                reasons.concat()
+            )
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! One floor: its maps from the survey walks, its test walks scored on them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use fieldwalk::map::FloorIndex;
+use fieldwalk::survey::{SurveyParams, SurveyWalk, build_floor};
+use fieldwalk::system::Recipe;
+use fieldwalk_formats::error::FormatError;
+use fieldwalk_formats::ilc::{Floor, floor_ordinal};
+use rayon::prelude::*;
+
+use crate::evaluation::{Row, RowGroup, Start, TestWalk, WalkScore, is_test_walk, score};
+use crate::walks::ReadWalk;
+
+/// What to score, and how.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The systems.
+    pub recipes: Vec<Recipe>,
+    /// What they are told of the start.
+    pub start: Start,
+    /// The random seeds; every walk is scored once with each.
+    pub seeds: Vec<u64>,
+    /// The folds whose walks are tested; each has a map of its own.
+    pub folds: Vec<u8>,
+    /// How maps are built.
+    pub survey: SurveyParams,
+}
+
+/// The scores of a floor's test walks.
+#[derive(Debug, Default)]
+pub struct FloorScores {
+    /// Per test walk, per recipe, per seed.
+    walks: Vec<Vec<Vec<WalkScore>>>,
+    /// The test walks without two waypoints: nothing to score.
+    pub without_waypoints: Vec<PathBuf>,
+}
+
+impl Evaluation {
+    /// Number of times that [`Evaluation::score_floor`] reports a walk as done.
+    pub fn n_ticks(&self, floor: &Floor) -> usize {
+        self.survey_traces(floor).count()
+            + self.folds.iter().map(|&fold| test_traces(floor, fold).count()).sum::<usize>()
+    }
+
+    /// Maps `floor` per fold and scores the fold's test walks; `tick` is called, from any thread, for every walk read.
+    ///
+    /// # Errors
+    /// When a trace cannot be read, and when the survey walks give no map: scores of fewer walks than the floor has
+    /// would not compare.
+    pub fn score_floor(&self, floor: &Floor, tick: impl Fn() + Sync) -> Result<FloorScores, FormatError> {
+        let survey: Vec<&PathBuf> = self.survey_traces(floor).collect();
+        let survey = survey
+            .par_iter()
+            .map(|path| {
+                let read = ReadWalk::open(path);
+                tick();
+                read
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let folds = self
+            .folds
+            .par_iter()
+            .map(|&fold| self.score_fold(floor, fold, &survey, &tick))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut scores = FloorScores::default();
+        for fold in folds {
+            scores.walks.extend(fold.walks);
+            scores.without_waypoints.extend(fold.without_waypoints);
+        }
+        Ok(scores)
+    }
+
+    fn score_fold(
+        &self,
+        floor: &Floor,
+        fold: u8,
+        survey: &[ReadWalk],
+        tick: &(impl Fn() + Sync),
+    ) -> Result<FloorScores, FormatError> {
+        let walks: Vec<SurveyWalk> = survey
+            .iter()
+            .filter(|read| !is_test_walk(&read.path, fold))
+            .map(|read| read.walk.clone())
+            .collect();
+        let map = build_floor(&floor.name, floor_ordinal(&floor.name), &floor.plan, &walks, &self.survey)
+            .map_err(|error| {
+                FormatError::malformed(format!("no map of the walks outside fold {fold}: {error}"), "")
+            })?;
+        let index = Arc::new(FloorIndex::new(map));
+        let tests: Vec<&PathBuf> = test_traces(floor, fold).collect();
+        let scored = tests
+            .par_iter()
+            .map(|path| {
+                let scored = self.score_walk(&index, path);
+                tick();
+                scored
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let without = scored.iter().zip(&tests).filter(|(walk, _)| walk.is_none());
+        let without_waypoints = without.map(|(_, path)| path.to_path_buf()).collect();
+        Ok(FloorScores { walks: scored.into_iter().flatten().collect(), without_waypoints })
+    }
+
+    fn score_walk(
+        &self,
+        floor: &Arc<FloorIndex>,
+        path: &Path,
+    ) -> Result<Option<Vec<Vec<WalkScore>>>, FormatError> {
+        let Some(walk) = TestWalk::read(path)? else { return Ok(None) };
+        let with_seeds =
+            |recipe| self.seeds.iter().map(|&seed| score(floor, recipe, self.start, seed, &walk)).collect();
+        Ok(Some(self.recipes.iter().map(with_seeds).collect()))
+    }
+
+    /// The traces that survey some fold's map.
+    fn survey_traces<'a>(&self, floor: &'a Floor) -> impl Iterator<Item = &'a PathBuf> {
+        floor.traces.iter().filter(|path| self.folds.iter().any(|&fold| !is_test_walk(path, fold)))
+    }
+
+    /// The rows of the floors `scores`, pooled, under the name `floor`.
+    pub fn rows(&self, dataset: &str, floor: &str, scores: &[&FloorScores]) -> Vec<Row> {
+        let start = self.start.to_string();
+        let walks: Vec<&Vec<Vec<WalkScore>>> = scores.iter().flat_map(|floor| &floor.walks).collect();
+        let rows_of = |(k, recipe): (usize, &Recipe)| {
+            let system = &recipe.name;
+            let (n_walks, seeds) = (walks.len(), self.seeds.len());
+            let group = RowGroup { dataset, floor, system, start: &start, n_walks, seeds };
+            group.rows(&walks.iter().flat_map(|walk| &walk[k]).collect::<Vec<_>>())
+        };
+        self.recipes.iter().enumerate().flat_map(rows_of).collect()
+    }
+}
+
+impl FloorScores {
+    /// Number of test walks scored, seeds not counted.
+    pub fn n_walks(&self) -> usize {
+        self.walks.len()
+    }
+
+    /// Number of test walks whose start lay off the plan with some system or seed.
+    pub fn n_starts_refused(&self) -> usize {
+        let is_refused =
+            |walk: &&Vec<Vec<WalkScore>>| walk.iter().flatten().any(|score| score.is_start_refused);
+        self.walks.iter().filter(is_refused).count()
+    }
+}
+
+fn test_traces(floor: &Floor, fold: u8) -> impl Iterator<Item = &PathBuf> {
+    floor.traces.iter().filter(move |path| is_test_walk(path, fold))
+}

@@ -1,0 +1,143 @@
+//! One test walk under one system and one seed.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use fieldwalk::geometry::Point2;
+use fieldwalk::map::FloorIndex;
+use fieldwalk::metrics::ScoredFix;
+use fieldwalk::positioner::{PositionHint, Positioner};
+use fieldwalk::random::CounterRng;
+use fieldwalk::sensor::Sample;
+use fieldwalk::survey::{SurveyTrack, Waypoint};
+use fieldwalk::system::Recipe;
+use fieldwalk::time::Timestamp;
+use fieldwalk_formats::error::FormatError;
+use fieldwalk_formats::recording::Record;
+use rand::RngExt;
+
+use crate::evaluation::{PointKind, Start};
+use crate::walks::ReadWalk;
+
+/// A place and time at which the truth is known.
+#[derive(Clone, Copy, Debug)]
+pub struct TruthPoint {
+    /// How it is known.
+    pub kind: PointKind,
+    /// When.
+    pub time: Timestamp,
+    /// Where.
+    pub point: Point2,
+}
+
+/// A walk that the map has not seen, in memory.
+#[derive(Debug)]
+pub struct TestWalk {
+    /// Its recording.
+    pub path: PathBuf,
+    /// Its samples, in order of time.
+    pub samples: Vec<Sample>,
+    /// The first waypoint: the start.
+    pub start: Waypoint,
+    /// What is scored, in order of time.
+    pub truth: Vec<TruthPoint>,
+}
+
+/// The scores of one walk.
+#[derive(Debug, Default)]
+pub struct WalkScore {
+    /// Each truth point with its fix's score; nothing where there was no fix.
+    pub points: Vec<(PointKind, Option<ScoredFix>)>,
+    /// Time of each call that consumed a step, in µs.
+    pub step_us: Vec<f64>,
+    /// Whether the start was refused, because it lies off the plan; the walk was then scored without.
+    pub is_start_refused: bool,
+}
+
+impl TestWalk {
+    /// Reads a trace; nothing when it has no two waypoints.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is no trace.
+    pub fn read(path: &Path) -> Result<Option<Self>, FormatError> {
+        let mut samples = Vec::new();
+        let read = ReadWalk::open_with(path, |record| {
+            if let Record::Sample(sample) = record {
+                samples.push(*sample);
+            }
+        })?;
+        let Some(track) = SurveyTrack::of(&read.walk) else { return Ok(None) };
+        let start = track.waypoints()[0];
+        let mut truth = Vec::new();
+        for pair in track.waypoints().windows(2) {
+            let middle = pair[0].time.midpoint(pair[1].time);
+            if let Some(point) = track.position(middle) {
+                truth.push(TruthPoint { kind: PointKind::Midpoint, time: middle, point });
+            }
+            truth.push(TruthPoint { kind: PointKind::Waypoint, time: pair[1].time, point: pair[1].point });
+        }
+        // The reader has ordered them but for the odd record that came very late: scoring stops at instants.
+        samples.sort_by_key(|sample| sample.time);
+        Ok(Some(Self { path: path.into(), samples, start, truth }))
+    }
+}
+
+/// Runs `recipe` over `walk` and scores it at every truth point, with what came before that and no more.
+pub fn score(
+    floor: &Arc<FloorIndex>,
+    recipe: &Recipe,
+    start: Start,
+    seed: u64,
+    walk: &TestWalk,
+) -> WalkScore {
+    let mut positioner = Positioner::new(Arc::clone(floor), recipe.clone(), seed);
+    let hint = hint(start, seed, floor.map().ordinal, walk.start);
+    let is_start_refused = hint.is_some_and(|hint| positioner.hint(hint).is_err());
+    let mut result = WalkScore { is_start_refused, ..WalkScore::default() };
+    let mut samples = walk.samples.iter().peekable();
+    for truth in &walk.truth {
+        while let Some(sample) = samples.next_if(|sample| sample.time <= truth.time) {
+            let before = Instant::now();
+            if positioner.push(*sample).is_some() {
+                result.step_us.push(before.elapsed().as_secs_f64() * 1e6);
+            }
+        }
+        let scored = positioner.fix_at(truth.time).map(|fix| ScoredFix {
+            error_m: fix.position.distance_m(truth.point),
+            radius_68_m: fix.radius_68_m,
+            radius_95_m: fix.radius_95_m,
+        });
+        result.points.push((truth.kind, scored.ok()));
+    }
+    result
+}
+
+/// The truth, off by up to the radius along each axis.
+fn hint(start: Start, seed: u64, floor: i32, truth: Waypoint) -> Option<PositionHint> {
+    let Start::Known { radius_m } = start else { return None };
+    let mut rng = CounterRng::new(seed, truth.time.as_nanos() as u64);
+    let mut off_m = || rng.random_range(-radius_m..=radius_m);
+    let off = Point2::new(off_m(), off_m());
+    Some(PositionHint { point: truth.point + off, radius_m, floor, time: truth.time })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_known_start_is_off_by_the_radius_at_most_and_differs_by_seed() {
+        let truth = Waypoint { time: Timestamp::from_millis(7), point: Point2::new(10.0, 20.0) };
+        let points: Vec<Point2> = (0..100)
+            .filter_map(|seed| hint(Start::Known { radius_m: 2.0 }, seed, 0, truth))
+            .map(|hint| hint.point - truth.point)
+            .collect();
+        assert!(points.iter().all(|off| off.x_m.abs() <= 2.0 && off.y_m.abs() <= 2.0));
+        // Uniform: the spread along an axis is 2/√3 = 1.15 m.
+        let spread_m = (points.iter().map(|off| off.x_m * off.x_m).sum::<f64>() / 100.0).sqrt();
+        assert!((1.0..1.3).contains(&spread_m), "{spread_m}");
+        assert!(points[0] != points[1]);
+        assert_eq!(hint(Start::Cold, 1, 0, truth), None);
+    }
+}

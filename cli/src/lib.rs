@@ -1,0 +1,42 @@
+//! The host's command line: walks become maps, recordings become fixes and error tables.
+//!
+//! Results go to standard output, as tables for people or as one JSON object a line; everything else goes to standard
+//! error. [`evaluation`] scores systems without any of that.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod bits;
+mod commands;
+pub mod evaluation;
+pub mod floors;
+mod in_order;
+mod progress;
+mod stop;
+mod table;
+pub mod walks;
+
+use std::io::{self, BufWriter, Write};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use stop::Stop;
+
+/// Runs the command that the process's arguments ask for.
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut out = BufWriter::new(io::stdout().lock());
+    let outcome = match &arguments.command {
+        Command::Survey(arguments) => commands::survey::run(arguments, &mut out),
+        Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
+        Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),
+    };
+    // What was written before a failure is shown before it is explained.
+    let flushed = out.flush().map_err(Stop::from);
+    match outcome.and(flushed) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(stop) => stop.report(),
+    }
+}
