@@ -36,11 +36,19 @@ pub struct Particles {
     /// Variance of each component of the bias, in µT².
     pub bias_variance_ut2: Vec<f32>,
     /// Latest strength read from the map, in µT; NaN where there was none.
+    #[serde(deserialize_with = "null_as_nan")]
     pub strength_ut: Vec<f32>,
     /// The last terms of the mass-centred sum, newest first, in blocks of the window's length.
+    #[serde(deserialize_with = "null_as_nan")]
     pub delta_errors_ut: Vec<f32>,
     /// Natural logarithm of the weight; the largest is 0 after normalisation.
     pub log_weight: Vec<f32>,
+}
+
+/// JSON has no NaN: it writes null.
+fn null_as_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<f32>, D::Error> {
+    let values = Vec::<Option<f32>>::deserialize(deserializer)?;
+    Ok(values.into_iter().map(|value| value.unwrap_or(f32::NAN)).collect())
 }
 
 /// Memory that one step needs and the next does not remember.
@@ -132,7 +140,7 @@ impl Particles {
     }
 }
 
-fn gather(array: &mut Vec<f32>, n: usize, scratch: &mut ResampleScratch) {
+fn gather(array: &mut [f32], n: usize, scratch: &mut ResampleScratch) {
     let block = array.len() / n;
     match block {
         0 => return,

@@ -91,10 +91,8 @@ impl Pedestrian {
                 let bias = *self.magnetometer.bias_ut.get_or_insert(bias_ut);
                 self.push_field(sample.time, [0, 1, 2].map(|c| field_ut[c] - bias[c]));
             }
-            Reading::MagneticField(field_ut) => {
-                if self.magnetometer.bias_ut.is_none() {
-                    self.push_field(sample.time, field_ut);
-                }
+            Reading::MagneticField(field_ut) if self.magnetometer.bias_ut.is_none() => {
+                self.push_field(sample.time, field_ut);
             }
             _ => {}
         }

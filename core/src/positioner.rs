@@ -183,7 +183,7 @@ impl Positioner {
 
     /// The fix at the last consumed sample; nothing before a hint or a first step.
     pub fn fix(&self) -> Option<Fix> {
-        let now = self.progress.last_consumed.or(self.progress.hint_time)?;
+        let now = self.progress.last_consumed.max(self.progress.hint_time)?;
         self.fix_at(now).ok()
     }
 
@@ -206,7 +206,7 @@ impl Positioner {
             step_length_m: self.tracker.step_length_m(),
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
-            last_heard: self.progress.last_consumed.or(self.progress.hint_time),
+            last_heard: self.progress.last_consumed.max(self.progress.hint_time),
             time,
         }))
     }
@@ -240,7 +240,11 @@ impl Positioner {
     /// [`PositionError::ForeignSnapshot`] when recipe, seed or floor differ; the positioner is unchanged then.
     pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), PositionError> {
         let Snapshot { recipe, seed, floor, pedestrian, reorder, tracker, progress } = snapshot;
-        if recipe != *self.tracker.recipe() || seed != self.seed || floor != self.tracker.floor().map().name {
+        if !self.tracker.fits(&tracker)
+            || recipe != *self.tracker.recipe()
+            || seed != self.seed
+            || floor != self.tracker.floor().map().name
+        {
             return Err(PositionError::ForeignSnapshot);
         }
         self.pedestrian = pedestrian;

@@ -1,5 +1,6 @@
 //! Puts samples that arrive a little late back into the order of time.
 
+use std::cmp::Ordering;
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
@@ -76,12 +77,12 @@ impl ReorderWindow {
             return;
         }
         self.jump = None;
-        let key = (sample.time, sample.reading.rank());
         let mut at = self.waiting.len();
-        while at > 0 && (self.waiting[at - 1].time, self.waiting[at - 1].reading.rank()) > key {
+        while at > 0 && order(&self.waiting[at - 1], sample).is_gt() {
             at -= 1;
         }
-        let mut same = self.waiting.range(..at).rev().take_while(|w| (w.time, w.reading.rank()) == key);
+        let is_same = |w: &&Sample| w.time == sample.time && w.reading.rank() == sample.reading.rank();
+        let mut same = self.waiting.range(..at).rev().take_while(is_same);
         let is_radio = matches!(sample.reading, Reading::Radio(_));
         if same.any(|w| !is_radio || w.reading == sample.reading) {
             self.rejections.duplicate += 1;
@@ -124,6 +125,17 @@ impl ReorderWindow {
     pub fn rejections(&self) -> Rejections {
         self.rejections
     }
+}
+
+/// Time first, then the sensor's rank; packets of one instant by sender, then power, so that arrival cannot matter.
+fn order(a: &Sample, b: &Sample) -> Ordering {
+    let packets = match (&a.reading, &b.reading) {
+        (Reading::Radio(a), Reading::Radio(b)) => {
+            a.transmitter.cmp(&b.transmitter).then(a.rssi_dbm.total_cmp(&b.rssi_dbm))
+        }
+        _ => Ordering::Equal,
+    };
+    (a.time, a.reading.rank()).cmp(&(b.time, b.reading.rank())).then(packets)
 }
 
 #[cfg(test)]

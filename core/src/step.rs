@@ -73,7 +73,7 @@ impl PhoneStepDetector {
             last_time: None,
             stages_m_s2: [0.0; 2],
             rising: true,
-            extremum: (Timestamp::MIN, f32::NEG_INFINITY),
+            extremum: (Timestamp::MIN, f32::MIN),
             trough_m_s2: 0.0,
             last_peak: None,
             mean_amplitude_m_s2: 0.0,

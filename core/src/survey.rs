@@ -22,6 +22,9 @@ use crate::reorder::{DEFAULT_REORDER_WINDOW, Rejections, ReorderWindow};
 use crate::sensor::{RadioSighting, Reading, Sample};
 use crate::time::Timestamp;
 
+/// Farther from the floor's origin than this no waypoint is, in metres.
+const MAX_PLACE_M: f64 = 1e6;
+
 /// A place that the surveyor said to be at.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Waypoint {
@@ -70,10 +73,10 @@ impl SurveyWalk {
         }
     }
 
-    /// Takes a waypoint in; one that is not finite, or not after the last one, is counted and dropped.
+    /// Takes a waypoint in; one that is no place on Earth, or not after the last one, is counted and dropped.
     pub fn push_waypoint(&mut self, waypoint: Waypoint) {
-        if !waypoint.point.is_finite() || self.waypoints.last().is_some_and(|last| last.time >= waypoint.time)
-        {
+        let is_place = waypoint.point.norm_m() <= MAX_PLACE_M;
+        if !is_place || self.waypoints.last().is_some_and(|last| last.time >= waypoint.time) {
             self.n_refused_waypoints += 1;
         } else {
             self.waypoints.push(waypoint);

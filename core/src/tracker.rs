@@ -14,7 +14,7 @@ use crate::observation::{field_vector, mass_centered, radio};
 use crate::particle::{CloudEstimate, EstimateScratch, Particles, ResampleScratch};
 use crate::pedestrian::StepEvent;
 use crate::random::{NormalTable, Purpose, draw, uniform};
-use crate::system::{MagneticRule, PlanRule, Recipe};
+use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
 
 /// Everything that the tracker remembers from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -31,6 +31,8 @@ pub struct TrackerState {
     last_end_strength_ut: Option<f32>,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// The latest estimate: resampling loses what it was made from.
+    estimate: Option<CloudEstimate>,
 }
 
 /// Runs one recipe on one floor.
@@ -41,7 +43,6 @@ pub struct Tracker {
     seed: u64,
     normal: NormalTable,
     state: TrackerState,
-    estimate: Option<CloudEstimate>,
     scratch: Scratch,
 }
 
@@ -71,7 +72,7 @@ impl Tracker {
             estimate: EstimateScratch::default(),
         };
         let normal = NormalTable::new();
-        Self { recipe, floor, seed, normal, state: TrackerState::default(), estimate: None, scratch }
+        Self { recipe, floor, seed, normal, state: TrackerState::default(), scratch }
     }
 
     /// The recipe that runs.
@@ -92,8 +93,45 @@ impl Tracker {
     /// Continues from `state`, which a tracker with the same recipe, floor and seed has given.
     pub fn set_state(&mut self, state: TrackerState) {
         self.state = state;
-        self.weigh();
-        self.estimate_cloud();
+    }
+
+    /// Whether `state`'s arrays are as long as this recipe's: a torn snapshot's are not.
+    pub fn fits(&self, state: &TrackerState) -> bool {
+        let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
+        let in_use = |is_used: bool| if is_used { n } else { 0 };
+        let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
+        let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
+        let has_bias = matches!(self.recipe.magnetic, MagneticRule::FieldVector(_));
+        let window = match self.recipe.magnetic {
+            MagneticRule::MassCentered(params) => params.window.max(1),
+            _ => 0,
+        };
+        let Particles {
+            x_m,
+            y_m,
+            heading_sin,
+            heading_cos,
+            heading_offset_rad,
+            length_scale,
+            gene_a_m,
+            gene_b_m,
+            bias_x_ut,
+            bias_y_ut,
+            bias_z_ut,
+            bias_variance_ut2,
+            strength_ut,
+            delta_errors_ut,
+            log_weight,
+        } = &state.particles;
+        let always = [x_m, y_m, heading_sin, heading_cos, log_weight];
+        let biases = [bias_x_ut, bias_y_ut, bias_z_ut, bias_variance_ut2];
+        always.iter().all(|array| array.len() == n)
+            && biases.iter().all(|array| array.len() == in_use(has_bias))
+            && [gene_a_m, gene_b_m].iter().all(|array| array.len() == in_use(is_genetic))
+            && length_scale.len() == in_use(!is_genetic)
+            && heading_offset_rad.len() == in_use(has_gyroscope && state.is_oriented)
+            && strength_ut.len() == in_use(window > 0)
+            && delta_errors_ut.len() == n * window
     }
 
     /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.
@@ -112,7 +150,7 @@ impl Tracker {
 
     /// The latest estimate; nothing before the particles have a place.
     pub fn estimate(&self) -> Option<&CloudEstimate> {
-        self.estimate.as_ref()
+        self.state.estimate.as_ref()
     }
 
     /// Mean length of the latest step, in metres; 0 before the first.
@@ -226,12 +264,13 @@ impl Tracker {
         }
         let estimate =
             CloudEstimate::of(&self.state.particles, &self.scratch.weights, &mut self.scratch.estimate);
-        self.estimate = estimate.or(self.estimate);
+        self.state.estimate = estimate.or(self.state.estimate);
     }
 
     fn resample(&mut self) {
         let n = self.state.particles.len() as f64;
         let is_degenerate = self
+            .state
             .estimate
             .is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
         if is_degenerate || self.recipe.resample_below >= 1.0 {

@@ -2,12 +2,12 @@
 
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment};
-use crate::map::{FloorMap, GridFrame};
+use crate::map::{FloorMap, GridFrame, Layers};
 
 /// How finely the plan is rasterised, in metres: half a shoulder's width.
 const PLAN_CELL_M: f64 = 0.25;
 /// Cell of the wall index, in metres.
-const WALL_CELL_M: f64 = 1.0;
+const WALL_CELL_M: f64 = 0.5;
 /// Longest move that one wall lookup covers, in metres; longer moves are cut.
 const WALL_REACH_M: f64 = 1.0;
 
@@ -45,11 +45,14 @@ struct GridLookup {
 
 impl FloorIndex {
     /// Prepares `map`; layers that are missing or of a wrong size read as unknown.
-    pub fn new(map: FloorMap) -> Self {
+    pub fn new(mut map: FloorMap) -> Self {
         let n = map.frame.len();
-        let layer = |values: &[f32], node: usize| {
-            if values.len() == n { values[node] } else { f32::NAN }
-        };
+        for (name, _) in Layers::default().named() {
+            if let Some(layer) = map.layers.named_mut(name).filter(|layer| layer.len() != n) {
+                layer.clear();
+            }
+        }
+        let layer = |values: &[f32], node: usize| values.get(node).copied().unwrap_or(f32::NAN);
         let field = (0..n)
             .map(|node| {
                 [
@@ -175,7 +178,8 @@ impl GridLookup {
             return None;
         }
         let (i, j) = (u as usize, v as usize);
-        (i + 1 < self.nx && j + 1 < self.ny).then(|| (j * self.nx + i, u - i as f32, v - j as f32))
+        (i < self.nx.saturating_sub(1) && j < self.ny.saturating_sub(1))
+            .then(|| (j * self.nx + i, u - i as f32, v - j as f32))
     }
 
     #[inline]
@@ -186,7 +190,7 @@ impl GridLookup {
             return None;
         }
         let (i, j) = (u as usize, v as usize);
-        (i < self.nx && j < self.ny).then_some(j * self.nx + i)
+        (i < self.nx && j < self.ny).then(|| j * self.nx + i)
     }
 }
 
@@ -241,8 +245,7 @@ fn bucketed_walls(plan: &FloorPlan, frame: &GridFrame) -> (Vec<u32>, Vec<[f32; 4
             for i in
                 index(x0, frame.origin.x_m, frame.nx)..=index(x1 + frame.cell_m, frame.origin.x_m, frame.nx)
             {
-                // The diagonal of the square of places that a move centred here may touch.
-                if wall.distance_m(frame.node(i, j)) <= margin_m * core::f64::consts::SQRT_2 {
+                if touches_square(&wall, frame.node(i, j), margin_m) {
                     buckets[j * frame.nx + i].push(wall);
                 }
             }
@@ -256,6 +259,17 @@ fn bucketed_walls(plan: &FloorPlan, frame: &GridFrame) -> (Vec<u32>, Vec<[f32; 4
         starts.push(walls.len() as u32);
     }
     (starts, walls)
+}
+
+/// Whether `wall` may touch the square of half side `half_m` about `centre`: exact but for rounding, never missing.
+fn touches_square(wall: &Segment, centre: Point2, half_m: f64) -> bool {
+    let (a, b) = (wall.a - centre, wall.b - centre);
+    let apart = |p: f64, q: f64| p.min(q) > half_m || p.max(q) < -half_m;
+    let d = b - a;
+    let corners = [(half_m, half_m), (half_m, -half_m), (-half_m, half_m), (-half_m, -half_m)];
+    let sides = corners.map(|(x, y)| d.x_m * (y - a.y_m) - d.y_m * (x - a.x_m));
+    let is_beside = sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0);
+    !apart(a.x_m, b.x_m) && !apart(a.y_m, b.y_m) && !is_beside
 }
 
 #[cfg(test)]

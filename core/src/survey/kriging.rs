@@ -112,8 +112,8 @@ impl<const N: usize> Kriging<N> {
         let mut values_ut = self.mean_ut;
         for (&(_, k), weight) in scratch.near.iter().zip(&scratch.weights) {
             let reading = &self.readings[k as usize];
-            for c in 0..N {
-                values_ut[c] += weight * (reading.values_ut[c] - self.mean_ut[c]);
+            for ((value, read), mean) in values_ut.iter_mut().zip(reading.values_ut).zip(self.mean_ut) {
+                *value += weight * (read - mean);
             }
         }
         (values_ut, variance_ut2.max(0.0))

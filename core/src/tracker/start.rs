@@ -136,7 +136,7 @@ impl Tracker {
     /// After every particle has died: a fresh spread round the last estimate, directions kept.
     pub(super) fn recover(&mut self) {
         self.state.n_recoveries += 1;
-        let Some(estimate) = self.estimate else { return };
+        let Some(estimate) = self.state.estimate else { return };
         let offsets = core::mem::take(&mut self.state.particles.heading_offset_rad);
         let sin = core::mem::take(&mut self.state.particles.heading_sin);
         let cos = core::mem::take(&mut self.state.particles.heading_cos);
