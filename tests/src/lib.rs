@@ -4,3 +4,8 @@
 
 pub mod recordings;
 pub mod synthetic;
+
+/// The README's example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -46,12 +46,12 @@ pub fn update(
         particles.strength_ut[i] = strength;
         let error = (if change.is_nan() { 0.0 } else { change } - observed_change_ut.abs()).abs();
         let errors = &mut particles.delta_errors_ut[i * window..(i + 1) * window];
-        errors.copy_within(..window - 1, 1);
-        errors[0] = error;
-        let (mut sum, mut n) = (0.0, 0.0);
-        for &e in errors.iter().filter(|e| !e.is_nan()) {
-            sum += e;
-            n += 1.0;
+        let (mut sum, mut n, mut newer) = (0.0, 0.0, error);
+        for slot in errors {
+            let is_known = !newer.is_nan();
+            sum += if is_known { newer } else { 0.0 };
+            n += if is_known { 1.0 } else { 0.0 };
+            newer = core::mem::replace(slot, newer);
         }
         particles.log_weight[i] -= libm::logf((sum / n).max(params.threshold_ut));
     }

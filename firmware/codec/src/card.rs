@@ -1,4 +1,6 @@
 //! The card frame: a view over its 31 bytes and the plain struct that they stand for.
+//!
+//! The byte budget is the paper's (Kwak 2018, Fig. 6); layout, scales and byte order are ours, since the paper gives none.
 
 use crate::advertisement::{FLAGS, FLAGS_LENGTH, expect_ad_type, expect_length};
 use crate::{Error, ad_type};
