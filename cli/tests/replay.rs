@@ -128,6 +128,24 @@ fn the_floor_must_be_one_of_the_map() {
 }
 
 #[test]
+fn a_recording_of_another_floor_is_refused() {
+    let (map, floor) = surveyed("replay_other_floor");
+    let walk = trace(&floor, 0);
+    let named = |name: &str| {
+        let header = format!("#\tSiteID:1\tSiteName:Mall\tFloorId:2\tFloorName:{name}\n");
+        let path = floor.join(format!("on-{name}.txt"));
+        fs::write(&path, header + &fs::read_to_string(&walk).unwrap()).unwrap();
+        path
+    };
+    fail(
+        &["replay", text(&map), text(&named("F2")), "--floor", "F1"],
+        1,
+        &["on-F2.txt: recorded on floor F2, but the map is of F1", "--floor"],
+    );
+    succeed(&["replay", text(&map), text(&named("F1")), "--floor", "F1"]);
+}
+
+#[test]
 fn a_damaged_map_is_refused() {
     let (map, floor) = surveyed("replay_map");
     let walk = trace(&floor, 0);

@@ -10,7 +10,7 @@ use crate::time::{Duration, Timestamp};
 
 /// How long a sample may be late, by default.
 pub const DEFAULT_REORDER_WINDOW: Duration = Duration::from_millis(200);
-/// A step forward longer than this is taken for a broken stamp until others agree with it.
+/// A step forward or back longer than this is taken for a broken stamp until others agree with it.
 const JUMP: Duration = Duration::from_millis(60_000);
 /// So many samples in a row must agree with a jump before the clock is believed to have jumped.
 const JUMP_WITNESSES: u32 = 20;
@@ -67,8 +67,14 @@ impl ReorderWindow {
             return;
         }
         if sample.time <= self.released {
-            self.rejections.late += 1;
-            return;
+            let is_set_back = self.newest.is_some_and(|newest| newest - sample.time > JUMP);
+            if !is_set_back || !self.is_believed_jump(sample.time) {
+                self.rejections.late += 1;
+                return;
+            }
+            self.waiting.clear();
+            self.newest = None;
+            self.released = Timestamp::MIN;
         }
         if self.newest.is_some_and(|newest| sample.time - newest > JUMP)
             && !self.is_believed_jump(sample.time)
@@ -176,6 +182,21 @@ mod tests {
         }
         assert_eq!(window.rejections().jumped, 1 + u64::from(JUMP_WITNESSES) - 1);
         assert_eq!(window.newest, Some(Timestamp::from_millis(900_990)));
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_is_followed_as_after_a_broken_first_stamp() {
+        let mut window = ReorderWindow::new(DEFAULT_REORDER_WINDOW);
+        window.push(&force(5_000_000, 0.0));
+        assert_eq!(drain(&mut window), []);
+        let mut out = Vec::new();
+        for k in 0..100 {
+            window.push(&force(10 * k, 0.0));
+            out.extend(drain(&mut window));
+        }
+        assert_eq!(window.rejections().late, u64::from(JUMP_WITNESSES) - 1);
+        assert_eq!(out.first(), Some(&190));
+        assert!(out.is_sorted());
     }
 
     proptest! {

@@ -123,7 +123,8 @@ impl PhoneStepDetector {
 
     fn step(&mut self, peak: Timestamp, amplitude: f32) -> Option<StepCycle> {
         let params = &self.params;
-        let since_last_s = self.last_peak.map(|last| peak.secs_since(last));
+        // A peak in the future is from before the clock was set back.
+        let since_last_s = self.last_peak.map(|last| peak.secs_since(last)).filter(|&s| s >= 0.0);
         let walking = since_last_s.is_some_and(|s| s <= params.max_period_s);
         if !walking {
             self.mean_amplitude_m_s2 = 0.0;

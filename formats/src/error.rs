@@ -45,7 +45,7 @@ impl FormatError {
     /// The content was written by a version of the format that this build does not know.
     pub fn newer_version(found: u64, known: u64) -> Self {
         let message = format!("written in format version {found}; this build reads up to version {known}");
-        Self::new(Kind::NewerVersion, message, "update Fieldwalk, or export the map for the older version")
+        Self::new(Kind::NewerVersion, message, "update Fieldwalk, or write the file with the older version")
     }
 
     /// The operating system refused to `action` the file at `path`.

@@ -21,6 +21,7 @@ use self::placement::{Placement, PlanMember};
 use crate::error::FormatError;
 
 pub use ilc::read_ilc_plan;
+pub(crate) use placement::metres_per_degree;
 pub use write::write_plan;
 
 /// Reads a floor plan from a GeoJSON feature collection.

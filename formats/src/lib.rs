@@ -7,13 +7,15 @@
 
 pub mod error;
 pub mod geojson_plan;
+pub mod get_sensor_data;
 pub mod ilc;
 pub mod map;
 pub mod recording;
 
+mod text_lines;
 mod transmitter_id;
 
 pub use error::FormatError;
 pub use geojson_plan::{read_plan, write_plan};
 pub use map::{decode_floor, encode_floor, open_building, write_building};
-pub use recording::Record;
+pub use recording::{Record, open_recording};

@@ -61,6 +61,27 @@ fn every_kind_of_line_gives_its_record() {
 }
 
 #[test]
+fn the_header_names_the_floor() {
+    let mut reader = TraceReader::new(WALK.as_bytes(), "walk.txt");
+    assert_eq!(reader.floor_name(), None, "nothing has been read");
+    assert!(reader.next().unwrap().is_ok());
+    assert_eq!(reader.floor_name(), Some("F1"));
+
+    let waypoint = "1600000000003\tTYPE_WAYPOINT\t1\t2\n";
+    for (header, name) in [
+        ("", None),
+        ("#\tFloorName:\n", None),
+        ("#\tstartTime:1600000000000\n#\tSiteName:FloorName:F9\tFloorName:B 1 \r\n", Some("B 1")),
+        ("#\tFloorName:F2\n#\tFloorName:F3\n", Some("F2")),
+    ] {
+        let text = format!("{header}{waypoint}");
+        let mut reader = TraceReader::new(text.as_bytes(), "walk.txt");
+        assert!(reader.next().unwrap().is_ok());
+        assert_eq!(reader.floor_name(), name, "{header}");
+    }
+}
+
+#[test]
 fn broken_lines_are_counted_by_cause() {
     let good = "1600000000003\tTYPE_WAYPOINT\t1\t2";
     let cases: &[(&[u8], LineFault)] = &[
@@ -190,6 +211,20 @@ fn a_floor_lists_its_walks_in_order() {
     assert_eq!(names, ["a.txt", "b.txt"]);
     assert_eq!(TraceReader::open(&floor.traces[0]).unwrap().filter(Result::is_ok).count(), 10);
     assert!(TraceReader::open(&floor_dir.join("none.txt")).unwrap_err().is_not_found());
+
+    // A bad plan is reported with the path of the file that is wrong.
+    for (file, bad) in [
+        ("geojson_map.json", "[]"),
+        ("geojson_map.json", r#"{"type": "FeatureCollection", "features": []}"#),
+        ("floor_info.json", "{"),
+        ("floor_info.json", r#"{"map_info": {"width": -1.0, "height": 50.0}}"#),
+    ] {
+        let path = floor_dir.join(file);
+        let good = fs::read(&path).unwrap();
+        fs::write(&path, bad).unwrap();
+        assert_eq!(Floor::open(&floor_dir).unwrap_err().path(), Some(path.as_path()), "{bad}");
+        fs::write(&path, good).unwrap();
+    }
     fs::remove_dir_all(&dir).unwrap();
 }
 

@@ -60,7 +60,7 @@ impl PlanMember {
     }
 
     /// Width and height if both are given, checked.
-    fn extent_m(&self) -> Result<Option<[f64; 2]>, FormatError> {
+    pub(super) fn extent_m(&self) -> Result<Option<[f64; 2]>, FormatError> {
         let (Some(width_m), Some(height_m)) = (self.width_m, self.height_m) else { return Ok(None) };
         let is_sound = |extent_m: f64| extent_m > 0.0 && extent_m <= MAX_EXTENT_M;
         if is_sound(width_m) && is_sound(height_m) {
@@ -211,7 +211,7 @@ fn no_extent() -> FormatError {
 }
 
 /// Metres per degree of longitude and of latitude on the WGS 84 ellipsoid at `latitude_deg`.
-fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
+pub(crate) fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
     const SEMI_MAJOR_M: f64 = 6_378_137.0;
     const ECCENTRICITY2: f64 = 6.694_379_990_141_316e-3;
     let (sin, cos) = latitude_deg.to_radians().sin_cos();

@@ -35,8 +35,10 @@ impl Floor {
         let (info_path, plan_path) = (dir.join("floor_info.json"), dir.join("geojson_map.json"));
         let read =
             |path: &Path| fs::read(path).map_err(|error| FormatError::io("read the plan", path, error));
-        let plan =
-            read_ilc_plan(&read(&info_path)?, &read(&plan_path)?).map_err(|error| error.at_path(dir))?;
+        let plan = read_ilc_plan(&read(&info_path)?, &read(&plan_path)?).map_err(|error| {
+            let path = error.path().map_or_else(|| dir.to_owned(), |file| dir.join(file));
+            error.at_path(path)
+        })?;
         Ok(Self {
             site: name_of(absolute.parent()),
             name: name_of(Some(&absolute)),

@@ -47,6 +47,13 @@ pub(super) fn parse_first(line: &[u8]) -> (Result<Line, LineFault>, usize) {
     }
 }
 
+/// The floor named by a header line, `#\tSiteID:…\tSiteName:…\tFloorId:…\tFloorName:F1`.
+pub(super) fn floor_name(comment: &[u8]) -> Option<String> {
+    let mut fields = comment.split(|&byte| byte == b'\t');
+    let name = str::from_utf8(fields.find_map(|field| field.strip_prefix(b"FloorName:"))?).ok()?.trim();
+    (!name.is_empty()).then(|| name.to_owned())
+}
+
 /// Where the first record of `line` ends: at a second `<13 digits>\tTYPE_`, or at the line's end.
 fn record_end(line: &[u8]) -> usize {
     let first_type = TIME_DIGITS + 1;

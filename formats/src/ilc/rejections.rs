@@ -8,12 +8,14 @@ use std::fmt;
 pub enum LineFault {
     /// The line has too few or too many fields for its type: torn in writing, as a rule.
     FieldCount,
-    /// The time is not thirteen digits: milliseconds since 1970.
+    /// The time is not as the format writes it.
     Time,
     /// A field that should be a number is not.
     Number,
     /// A number is NaN or infinite.
     NotFinite,
+    /// A number is outside what it can be.
+    OutOfRange,
     /// Neither a hardware address nor an iBeacon identity could be read.
     Identity,
     /// The line is not UTF-8.
@@ -35,11 +37,12 @@ pub struct LineRejections {
 
 impl LineFault {
     /// Every fault, in the order of the enumeration.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::FieldCount,
         Self::Time,
         Self::Number,
         Self::NotFinite,
+        Self::OutOfRange,
         Self::Identity,
         Self::NotUtf8,
         Self::TooLong,
@@ -63,7 +66,7 @@ impl LineRejections {
         self.first
     }
 
-    pub(super) fn add(&mut self, line: u64, fault: LineFault) {
+    pub(crate) fn add(&mut self, line: u64, fault: LineFault) {
         self.counts[fault as usize] += 1;
         self.first.get_or_insert((line, fault));
     }
@@ -73,9 +76,10 @@ impl fmt::Display for LineFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::FieldCount => "wrong number of fields",
-            Self::Time => "time is not 13 digits",
+            Self::Time => "malformed time",
             Self::Number => "not a number",
             Self::NotFinite => "number is not finite",
+            Self::OutOfRange => "number out of range",
             Self::Identity => "no transmitter identity",
             Self::NotUtf8 => "not UTF-8",
             Self::TooLong => "line too long",

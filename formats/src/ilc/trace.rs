@@ -1,13 +1,14 @@
 //! One walk: a text trace read as a stream of records.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read as _};
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use super::line::{self, Line};
 use super::rejections::{LineFault, LineRejections};
 use crate::error::FormatError;
 use crate::recording::Record;
+use crate::text_lines::{Advance, MAX_LINE_BYTES, TextLines};
 
 /// Streams the records of one trace of the indoor-location-competition-20 collection.
 ///
@@ -28,19 +29,15 @@ use crate::recording::Record;
 /// ```
 #[derive(Debug)]
 pub struct TraceReader<R> {
-    reader: R,
+    lines: TextLines<R>,
     name: PathBuf,
-    /// The current line; records before `cursor` have been handed out.
-    line: Vec<u8>,
+    /// Records of the current line before this byte have been handed out.
     cursor: usize,
-    line_number: u64,
     has_valid_line: bool,
     is_done: bool,
+    floor_name: Option<String>,
     rejections: LineRejections,
 }
-
-/// Longest line kept; the longest of the collection has 134 bytes.
-const MAX_LINE_BYTES: usize = 64 * 1024;
 
 /// A file without a valid line among this many is something else.
 const MAX_FOREIGN_LINES: u64 = 200;
@@ -60,15 +57,21 @@ impl<R: BufRead> TraceReader<R> {
     /// Reads the trace that `reader` gives; `name` stands for it in errors.
     pub fn new(reader: R, name: impl Into<PathBuf>) -> Self {
         Self {
-            reader,
+            lines: TextLines::new(reader),
             name: name.into(),
-            line: Vec::new(),
             cursor: 0,
-            line_number: 0,
             has_valid_line: false,
             is_done: false,
+            floor_name: None,
             rejections: LineRejections::default(),
         }
+    }
+
+    /// The floor that the header names, such as `F1`; known once the first record has been read.
+    ///
+    /// `None` before that, and for a trace whose header says nothing. A map of another floor does not fit the trace.
+    pub fn floor_name(&self) -> Option<&str> {
+        self.floor_name.as_deref()
     }
 
     /// The lines left out so far.
@@ -76,31 +79,25 @@ impl<R: BufRead> TraceReader<R> {
         &self.rejections
     }
 
-    /// Brings the next line into `line`; false at the end of the file.
+    /// Goes on to the next line; false at the end of the file.
     fn read_line(&mut self) -> io::Result<bool> {
-        self.line.clear();
         self.cursor = 0;
-        let n_read = self.reader.by_ref().take(MAX_LINE_BYTES as u64).read_until(b'\n', &mut self.line)?;
-        if n_read == 0 {
-            return Ok(false);
+        let advance = self.lines.advance()?;
+        if advance == Advance::TooLong {
+            self.rejections.add(self.lines.number(), LineFault::TooLong);
         }
-        self.line_number += 1;
-        if self.line.last() == Some(&b'\n') {
-            self.line.pop();
-            self.line.pop_if(|byte| *byte == b'\r');
-        } else if n_read == MAX_LINE_BYTES && self.reader.skip_until(b'\n')? > 0 {
-            self.rejections.add(self.line_number, LineFault::TooLong);
-            self.line.clear();
-        }
-        Ok(true)
+        Ok(advance != Advance::End)
     }
 
     /// The next record of the current line.
     fn next_of_line(&mut self) -> Option<Record> {
-        while self.cursor < self.line.len() {
-            let rest = &self.line[self.cursor..];
+        while self.cursor < self.lines.line().len() {
+            let rest = &self.lines.line()[self.cursor..];
             if rest[0] == b'#' {
                 // A comment: the header, or the `endTime` that closes a trace.
+                if self.floor_name.is_none() {
+                    self.floor_name = line::floor_name(rest);
+                }
                 break;
             }
             let (parsed, end) = line::parse_first(rest);
@@ -110,17 +107,17 @@ impl<R: BufRead> TraceReader<R> {
                 Ok(Line::Record(record)) => return Some(record),
                 Ok(Line::StaleWifi) => self.rejections.n_stale_wifi += 1,
                 Ok(Line::Skipped) => {}
-                Err(fault) => self.rejections.add(self.line_number, fault),
+                Err(fault) => self.rejections.add(self.lines.number(), fault),
             }
         }
-        self.cursor = self.line.len();
+        self.cursor = self.lines.line().len();
         None
     }
 
     fn foreign(&self) -> FormatError {
         let (line, cause) = match self.rejections.first() {
             Some((line, fault)) => (line, fault.to_string()),
-            None => (self.line_number.max(1), "no record in it".to_owned()),
+            None => (self.lines.number().max(1), "no record in it".to_owned()),
         };
         let message = format!("not an indoor-location-competition trace: {cause}");
         FormatError::malformed(
@@ -144,7 +141,7 @@ impl<R: BufRead> Iterator for TraceReader<R> {
                 return Some(Ok(record));
             }
             let is_foreign_so_far = !self.has_valid_line;
-            if is_foreign_so_far && self.line_number >= MAX_FOREIGN_LINES {
+            if is_foreign_so_far && self.lines.number() >= MAX_FOREIGN_LINES {
                 self.is_done = true;
                 return Some(Err(self.foreign()));
             }
@@ -157,7 +154,7 @@ impl<R: BufRead> Iterator for TraceReader<R> {
                 Err(error) => {
                     self.is_done = true;
                     let error = FormatError::io("read the trace", &self.name, error);
-                    return Some(Err(error.at_line(self.line_number + 1)));
+                    return Some(Err(error.at_line(self.lines.number() + 1)));
                 }
             }
         }

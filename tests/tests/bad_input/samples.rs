@@ -104,17 +104,20 @@ fn a_clock_that_jumps_ahead_is_followed_after_a_few_witnesses() {
 }
 
 #[test]
-fn a_clock_that_was_set_back_is_counted_and_the_fix_goes_stale() {
+fn a_clock_that_was_set_back_is_followed_after_a_few_witnesses() {
     for recipe in recipes() {
         let mut positioner = placed(&recipe);
         let hour = Duration::from_millis(3_600_000);
         let (before, after) = samples().split_at(N_SAMPLES / 2);
         assert!(fixes(&mut positioner, before.iter().copied()).len() > 10);
         let set_back = after.iter().map(|s| Sample { time: s.time - hour, reading: s.reading });
-        assert_eq!(fixes(&mut positioner, set_back), [], "{}", recipe.name);
-        let expected = Rejections { late: after.len() as u64, ..no_rejections() };
-        assert_eq!(positioner.rejections(), expected);
-        assert_eq!(positioner.fix_at(after.last().unwrap().time).unwrap().mode, Mode::Stale);
+        let fixes = fixes(&mut positioner, set_back);
+        assert_eq!(positioner.rejections(), Rejections { late: 19, ..no_rejections() });
+        assert!(fixes.len() > 15, "{}: {} fixes", recipe.name, fixes.len());
+        let last = fixes.last().unwrap();
+        assert_eq!(last.mode, Mode::ParticleFilter);
+        let error_m = last.position.distance_m(WORLD.walk.truth(last.time + hour).unwrap());
+        assert!(error_m < 8.0, "{}: {error_m:.1} m", recipe.name);
     }
 }
 

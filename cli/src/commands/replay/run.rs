@@ -10,7 +10,7 @@ use fieldwalk::positioner::{Fix, PositionError, PositionHint, Positioner};
 use fieldwalk::system::Recipe;
 use fieldwalk::time::Timestamp;
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::{LineRejections, TraceReader};
+use fieldwalk_formats::ilc::{LineRejections, TraceReader, floor_ordinal};
 use fieldwalk_formats::recording::Record;
 
 use crate::arguments::ReplayStart;
@@ -67,8 +67,27 @@ pub struct Ending<'a> {
 }
 
 impl Replay {
+    /// Refuses a recording that says of itself that it was made on another floor than the map's.
+    ///
+    /// Floors of a building share one frame, so its fixes would look plausible and be wrong.
+    fn check_floor(&self, trace: &Path) -> Result<(), Stop> {
+        let mut reader = TraceReader::open(trace)?;
+        // The header stands before the first record; what is wrong with that record is told when it is replayed.
+        let _ = reader.next();
+        let map = self.floor.map();
+        match reader.floor_name() {
+            Some(name) if floor_ordinal(name) != map.ordinal => Err(Stop::Failed(format!(
+                "{}: recorded on floor {name}, but the map is of {} (choose that floor's map with --floor)",
+                trace.display(),
+                map.name
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// Runs the recording at `trace`, in order of time and never holding more than a part of it.
     pub fn run(&self, trace: &Path, sink: &mut impl Sink) -> Result<(), Stop> {
+        self.check_floor(trace)?;
         let mut positioner = Positioner::new(Arc::clone(&self.floor), self.recipe.clone(), self.seed);
         let mut reader = TraceReader::open(trace)?;
         let mut began: Option<Timestamp> = None;

@@ -1,0 +1,10 @@
+//! Phones: how they are carried, and what their sensors say.
+
+mod carry;
+mod iron;
+mod motion;
+mod sensors;
+
+pub use carry::{CarryMode, Grip};
+pub use motion::{Carried, Pose};
+pub use sensors::{Magnetometer, PhoneModel, SensorModel};

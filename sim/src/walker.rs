@@ -1,0 +1,117 @@
+//! Walkers: who they are, the steps that they take along a path, and how the body moves at each instant.
+
+mod course;
+mod gait;
+mod pace;
+mod spline;
+
+pub use course::Course;
+pub use gait::{Body, Gait};
+pub use pace::{Pause, Step};
+
+use crate::noise::Noise;
+
+/// Somebody who walks.
+///
+/// # Source
+/// Step length over step rate is constant over speeds: Sekiya, Nagasaki, Ito and Furuna 1996, *The invariant
+/// relationship between step length and step rate during free walking* (about 0.0064 m per step a minute). Rise of the
+/// body from step length: Zijlstra and Hof 2003, *Assessment of spatio-temporal gait parameters from trunk
+/// accelerations*. Variation from step to step is that of healthy adults, 2 to 4 %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkerProfile {
+    /// Height, in metres.
+    pub height_m: f64,
+    /// Speed when nothing disturbs, in m/s.
+    pub speed_m_s: f64,
+    /// Step length over step frequency, in m/Hz.
+    pub walk_ratio_m_hz: f64,
+    /// A right step lasts longer than the mean by this share, a left one shorter.
+    pub asymmetry: f64,
+    /// Standard deviation of a step's length over its mean.
+    pub length_sd: f64,
+    /// Standard deviation of a step's duration over its mean.
+    pub time_sd: f64,
+    /// Rise of the body at each step over that of the pendulum model.
+    pub rise: f64,
+    /// Peak acceleration of the jolt that a heel strike at 1.2 m/s sends up, in m/s².
+    pub heel_strike_m_s2: f64,
+    /// Sideways sway of the trunk to either side, in metres.
+    pub sway_m: f64,
+    /// How far the walker strays from the line that was meant, standard deviation in metres.
+    pub stray_m: f64,
+}
+
+impl Default for WalkerProfile {
+    /// Middling in all respects.
+    fn default() -> Self {
+        Self {
+            height_m: 1.72,
+            speed_m_s: 1.2,
+            walk_ratio_m_hz: 0.384,
+            asymmetry: 0.01,
+            length_sd: 0.03,
+            time_sd: 0.02,
+            rise: 1.0,
+            heel_strike_m_s2: 2.5,
+            sway_m: 0.02,
+            stray_m: 0.05,
+        }
+    }
+}
+
+impl WalkerProfile {
+    /// A walker by chance.
+    pub fn drawn(seed: u64) -> Self {
+        let mut noise = Noise::new(seed, "walker", 0);
+        let height_m = noise.typical(1.72, 0.09);
+        // Long legs make long steps at the same rate, and a speed by Froude's rule.
+        let build = height_m / 1.72;
+        Self {
+            height_m,
+            speed_m_s: noise.typical(1.2, 0.12) * build.sqrt(),
+            walk_ratio_m_hz: noise.typical(0.384, 0.023) * build,
+            asymmetry: noise.typical(0.0, 0.012),
+            length_sd: noise.within(0.02, 0.04),
+            time_sd: noise.within(0.015, 0.03),
+            rise: noise.typical(1.0, 0.12),
+            heel_strike_m_s2: noise.within(1.5, 3.5),
+            sway_m: noise.within(0.012, 0.028),
+            stray_m: noise.within(0.03, 0.08),
+        }
+    }
+
+    /// Steps a second at `speed_m_s`.
+    pub fn step_frequency_hz(&self, speed_m_s: f64) -> f64 {
+        (speed_m_s / self.walk_ratio_m_hz).sqrt()
+    }
+
+    /// The length of a step at `speed_m_s`, in metres.
+    pub fn step_length_m(&self, speed_m_s: f64) -> f64 {
+        (speed_m_s * self.walk_ratio_m_hz).sqrt()
+    }
+
+    /// How far the body rises and falls within a step of `length_m`, in metres.
+    ///
+    /// # Source
+    /// Zijlstra and Hof 2003: `length = 1.25·2·sqrt(2·leg·rise)`, solved for the rise; the leg is 0.53 of the height.
+    pub fn rise_m(&self, length_m: f64) -> f64 {
+        let half_m = 0.5 * length_m / 1.25;
+        self.rise * half_m * half_m / (2.0 * 0.53 * self.height_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_middling_walker_steps_as_people_do() {
+        let walker = WalkerProfile::default();
+        let (hz, length_m) = (walker.step_frequency_hz(1.2), walker.step_length_m(1.2));
+        assert!((hz * length_m - 1.2).abs() < 1e-12);
+        assert!((1.7..1.9).contains(&hz) && (0.6..0.75).contains(&length_m), "{hz} Hz, {length_m} m");
+        assert!((0.03..0.05).contains(&walker.rise_m(length_m)), "{}", walker.rise_m(length_m));
+        assert_ne!(WalkerProfile::drawn(1), WalkerProfile::drawn(2));
+    }
+}

@@ -1,0 +1,97 @@
+//! The plan of a walk: step by step, how long and how far.
+
+use crate::noise::{Noise, SmoothNoise};
+use crate::walker::{Course, WalkerProfile};
+
+/// A walker turns no faster than this, in rad/s: before a sharp corner the pace slackens.
+///
+/// # Source
+/// Ours: healthy adults turn at peak rates of about 2 to 3.5 rad/s.
+const MAX_TURNING_RAD_S: f64 = 2.6;
+/// Nobody walks slower than this through a corner, in m/s.
+const MIN_SPEED_M_S: f64 = 0.45;
+/// The first step takes longer than the others by this factor: the body starts from rest.
+const FIRST_STEP_TIME: f64 = 1.2;
+
+/// A stop on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pause {
+    /// How far along the path, in metres.
+    pub at_m: f64,
+    /// How long, in seconds.
+    pub duration_s: f64,
+}
+
+/// A step as it was taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// When the other foot left the ground, in seconds from the start of the recording.
+    pub start_s: f64,
+    /// When this foot met it.
+    pub end_s: f64,
+    /// How far along the path the step began, in metres.
+    pub from_m: f64,
+    /// Its length along the path, in metres.
+    pub length_m: f64,
+    /// Whether it was a step of the right foot.
+    pub is_right: bool,
+}
+
+/// Steps without a stop.
+pub(super) type Bout = Vec<Step>;
+
+/// Plans the steps along `course`, with a stop at each of `pauses`; the first begins at `start_s`.
+pub(super) fn plan(
+    walker: &WalkerProfile,
+    course: &Course,
+    pauses: &[Pause],
+    start_s: f64,
+    seed: u64,
+) -> Vec<Bout> {
+    let mut noise = Noise::new(seed, "steps", 0);
+    // The pace wavers by 3 % over ten to forty seconds.
+    let waver = SmoothNoise::new(&mut noise, 0.03, [0.025, 0.1]);
+    let mut stops: Vec<Pause> = pauses.to_vec();
+    stops.retain(|pause| pause.at_m > 1.0 && pause.at_m < course.length_m() - 1.0);
+    stops.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+    stops.push(Pause { at_m: course.length_m(), duration_s: 0.0 });
+    let (mut time_s, mut at_m, mut is_right) = (start_s, 0.0, noise.chance(0.5));
+    let mut bouts = Vec::with_capacity(stops.len());
+    for stop in stops {
+        let mut bout = Bout::new();
+        let mut last_length_m = None;
+        while stop.at_m - at_m > 1e-3 && bout.len() < 100_000 {
+            let speed_m_s = speed_m_s(walker, course, at_m, 1.0 + waver.at(time_s));
+            let usual_m = walker.step_length_m(speed_m_s) * (1.0 + noise.normal(walker.length_sd));
+            let side = if is_right { walker.asymmetry } else { -walker.asymmetry };
+            let usual_s = (1.0 + side + noise.normal(walker.time_sd)) / walker.step_frequency_hz(speed_m_s);
+            let left_m = stop.at_m - at_m;
+            let length_m = match last_length_m.take() {
+                Some(last_m) => left_m.min(last_m),
+                None if bout.is_empty() => (0.5 * usual_m).min(left_m),
+                None if left_m <= 0.65 * usual_m => left_m,
+                None if left_m <= 1.3 * usual_m => {
+                    last_length_m = Some(0.45 * left_m + 1e-6);
+                    0.55 * left_m
+                }
+                None => usual_m,
+            };
+            let duration_s = usual_s * if bout.is_empty() { FIRST_STEP_TIME } else { 1.0 };
+            bout.push(Step { start_s: time_s, end_s: time_s + duration_s, from_m: at_m, length_m, is_right });
+            time_s += duration_s;
+            at_m += length_m;
+            is_right = !is_right;
+        }
+        time_s += stop.duration_s;
+        bouts.push(bout);
+    }
+    bouts
+}
+
+/// The pace at `at_m`, slackened for the corner that the next step meets.
+fn speed_m_s(walker: &WalkerProfile, course: &Course, at_m: f64, waver: f64) -> f64 {
+    let free_m_s = walker.speed_m_s * waver;
+    let sharpest_rad_m = course.sharpest_rad_m(at_m - 0.2, at_m + walker.step_length_m(free_m_s));
+    let limit_m_s = MAX_TURNING_RAD_S / sharpest_rad_m.max(1e-9);
+    free_m_s.min(limit_m_s.max(MIN_SPEED_M_S.min(free_m_s)))
+}
