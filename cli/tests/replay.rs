@@ -93,7 +93,7 @@ fn what_is_rejected_is_counted_by_cause() {
     assert_eq!(summary["samples_rejected"]["implausible"], 1);
     assert_eq!(summary["samples_rejected"]["duplicate"], 1);
     assert_eq!(summary["lines_rejected"]["number_is_not_finite"], 1);
-    assert_eq!(summary["lines_rejected"]["time_is_not_13_digits"], 1);
+    assert_eq!(summary["lines_rejected"]["malformed_time"], 1);
     assert_eq!(summary["lines_rejected"]["unknown_type"], 1);
     assert!(summary["errors"]["median_m"].as_f64().unwrap() < 3.0, "{summary}");
 }
