@@ -19,7 +19,7 @@ Exit codes:
      says which, why and what to do; `evaluate` and `replay` finish the others
   2  the arguments are wrong";
 
-/// Indoor positioning on recordings: survey a floor, replay a walk, compare systems.
+/// Indoor positioning: see a demo, survey a floor, replay a walk, compare systems.
 #[derive(Debug, Parser)]
 #[command(name = "fieldwalk", version, propagate_version = true, after_help = EXIT_CODES, max_term_width = 100)]
 pub struct Arguments {
@@ -29,9 +29,44 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    Demo(DemoArguments),
     Survey(SurveyArguments),
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
+}
+
+/// Survey a simulated office and position walks in it: needs no recording.
+///
+/// The office of 60 × 40 m has steel, transmitters, walkers and phones by chance. Its map is built from simulated survey
+/// walks; then every system is scored on other walks, by other walkers with other phones, whose start is known to ± 2 m.
+/// Scored are the fixes once a second from the fifth on, against the simulator's truth.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  fieldwalk demo
+  fieldwalk demo --seed 2 --walks 20 --out office2 --json
+      # JSON: the rows of `fieldwalk evaluate --help`, with \"truth\" for points
+
+The same seed and number of walks give the same map and errors; the time of a
+step depends on the machine.
+
+See `fieldwalk --help` for the exit codes.")]
+pub struct DemoArguments {
+    /// Random seed, 0 to 2^64 - 1: of the office, its walkers and the systems.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+
+    /// Number of walks to position, 1 to 1000.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000))]
+    pub walks: u32,
+
+    /// Where office.map and office.geojson, its plan, go: a folder, made if need be; those that are there are replaced.
+    #[arg(long, value_name = "DIR", default_value = "fieldwalk-demo")]
+    pub out: PathBuf,
+
+    /// Print one JSON object a system instead of a table.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The layouts of folders that are read.

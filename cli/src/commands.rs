@@ -1,5 +1,6 @@
 //! The commands.
 
+pub mod demo;
 pub mod evaluate;
 pub mod replay;
 pub mod survey;

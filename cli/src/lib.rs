@@ -1,4 +1,4 @@
-//! The host's command line: walks become maps, recordings become fixes and error tables.
+//! The host's command line: walks become maps, recordings become fixes and error tables; a demo needs neither.
 //!
 //! Results go to standard output, as tables for people or as one JSON object a line; everything else goes to standard
 //! error. [`evaluation`] scores systems without any of that.
@@ -8,6 +8,7 @@
 mod arguments;
 mod bits;
 mod commands;
+mod error_table;
 pub mod evaluation;
 pub mod floors;
 mod in_order;
@@ -29,6 +30,7 @@ pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let mut out = BufWriter::new(io::stdout().lock());
     let outcome = match &arguments.command {
+        Command::Demo(arguments) => commands::demo::run(arguments, &mut out),
         Command::Survey(arguments) => commands::survey::run(arguments, &mut out),
         Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
         Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),

@@ -4,7 +4,6 @@ mod recipe_file;
 
 use std::io::Write;
 
-use comfy_table::Table;
 use fieldwalk::survey::SurveyParams;
 use fieldwalk::system::Recipe;
 use fieldwalk_formats::FormatError;
@@ -12,11 +11,11 @@ use fieldwalk_formats::ilc::Floor;
 use rayon::prelude::*;
 
 use crate::arguments::EvaluateArguments;
+use crate::error_table::error_table;
 use crate::evaluation::{Evaluation, FloorScores, PointKind, Row};
 use crate::floors::{FoundFloor, find_floors};
 use crate::progress;
 use crate::stop::{Stop, note};
-use crate::table::{number, table};
 
 /// The name under which all floors are pooled.
 const ALL: &str = "all";
@@ -174,41 +173,4 @@ fn print_tables(rows: &[Row], has_several_floors: bool, out: &mut impl Write) ->
         writeln!(out, "\n{title}\n{}", error_table(&shown).trim_fmt())?;
     }
     Ok(())
-}
-
-fn error_table(rows: &[&Row]) -> Table {
-    let header = [
-        "floor",
-        "system",
-        "walks",
-        "points",
-        "no fix",
-        "median",
-        "mean",
-        "p80",
-        "p90",
-        "in 68 %",
-        "in 95 %",
-        "radius 68",
-        "µs/step",
-    ];
-    let cells = rows.iter().enumerate().map(|(k, row)| {
-        let is_repeated = k > 0 && rows[k - 1].floor == row.floor;
-        vec![
-            if is_repeated { String::new() } else { row.floor.clone() },
-            row.system.clone(),
-            row.n_walks.to_string(),
-            row.n_points.to_string(),
-            row.n_without_fix.to_string(),
-            number(row.median_m, 2),
-            number(row.mean_m, 2),
-            number(row.p80_m, 2),
-            number(row.p90_m, 2),
-            number(100.0 * row.inside_68, 0),
-            number(100.0 * row.inside_95, 0),
-            number(row.radius_68_median_m, 2),
-            number(row.step_us_median, 0),
-        ]
-    });
-    table(&header, 2, cells)
 }

@@ -13,11 +13,13 @@ pub enum PointKind {
     Waypoint,
     /// Midway between two waypoints, by the steps made.
     Midpoint,
+    /// At any time of a simulated walk.
+    Truth,
 }
 
 impl PointKind {
-    /// Both, in the order in which tables list them.
-    pub const ALL: [Self; 2] = [Self::Waypoint, Self::Midpoint];
+    /// All, in the order in which tables list them.
+    pub const ALL: [Self; 3] = [Self::Waypoint, Self::Midpoint, Self::Truth];
 }
 
 /// One line of the table.

@@ -1,6 +1,6 @@
 //! One test walk under one system and one seed.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -34,11 +34,9 @@ pub struct TruthPoint {
 /// A walk that the map has not seen, in memory.
 #[derive(Debug)]
 pub struct TestWalk {
-    /// Its recording.
-    pub path: PathBuf,
     /// Its samples, in order of time.
     pub samples: Vec<Sample>,
-    /// The first waypoint: the start.
+    /// The first place that is known: the start.
     pub start: Waypoint,
     /// What is scored, in order of time.
     pub truth: Vec<TruthPoint>,
@@ -79,7 +77,7 @@ impl TestWalk {
         }
         // The reader has ordered them but for the odd record that came very late: scoring stops at instants.
         samples.sort_by_key(|sample| sample.time);
-        Ok(Some(Self { path: path.into(), samples, start, truth }))
+        Ok(Some(Self { samples, start, truth }))
     }
 }
 

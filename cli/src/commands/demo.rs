@@ -1,0 +1,150 @@
+//! `fieldwalk demo`: a simulated office is surveyed, and walked unseen.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use fieldwalk::floor_plan::FloorPlan;
+use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
+use fieldwalk::random::CounterRng;
+use fieldwalk::survey::{SurveyParams, SurveyWalk, Waypoint, build_floor};
+use fieldwalk::system::Recipe;
+use fieldwalk::time::Duration;
+use fieldwalk_formats::{FormatError, write_building, write_plan};
+use fieldwalk_sim::scenario::{Recorded, Scenario};
+use indicatif::ProgressBar;
+use rand::Rng as _;
+use rayon::prelude::*;
+
+use crate::arguments::DemoArguments;
+use crate::error_table::error_table;
+use crate::evaluation::{PointKind, Row, RowGroup, Start, TestWalk, TruthPoint, WalkScore, score};
+use crate::progress;
+use crate::stop::Stop;
+
+/// The data set's name in rows.
+const DATASET: &str = "simulated office";
+/// The floor's name, and the file's.
+const FLOOR: &str = "F1";
+/// By its name: the ground floor.
+const ORDINAL: i32 = 0;
+/// What systems are told of the start.
+const START: Start = Start::Known { radius_m: 2.0 };
+/// Test walks are at least this long, in metres.
+const WALK_M: f64 = 130.0;
+/// Scored once a second, the first time after this many.
+const FIRST_SCORED_S: i64 = 5;
+
+/// Surveys the office, writes its map and plan, scores every system on walks that the map has not seen.
+pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> {
+    let office = Scenario::office(arguments.seed);
+    let (map_dir, plan_file) = (arguments.out.join("office.map"), arguments.out.join("office.geojson"));
+    // First, for a folder that cannot be written should not cost a survey.
+    save_plan(&office.building.plan, &arguments.out, &plan_file)?;
+    let map = survey(&office)?;
+    let mut building = BuildingMap { name: office.building.name.clone(), floors: vec![map] };
+    write_building(&map_dir, &building)?;
+    let floor = building.floors.remove(0);
+    let rows = score_walks(&office, floor, arguments.walks);
+    if arguments.json {
+        for row in &rows {
+            writeln!(out, "{}", serde_json::to_string(row)?)?;
+        }
+        return Ok(());
+    }
+    let FloorPlan { width_m, height_m, .. } = office.building.plan;
+    writeln!(
+        out,
+        "{DATASET} of {width_m} × {height_m} m, seed {}, start {START}; errors in metres, once a second\n\n{}\n",
+        arguments.seed,
+        error_table(&rows.iter().collect::<Vec<_>>()).trim_fmt()
+    )?;
+    writeln!(
+        out,
+        "The map is in {}, its plan in {}; next, map a floor of yours: fieldwalk survey --help",
+        map_dir.display(),
+        plan_file.display()
+    )?;
+    Ok(())
+}
+
+fn save_plan(plan: &FloorPlan, dir: &Path, file: &Path) -> Result<(), FormatError> {
+    fs::create_dir_all(dir).map_err(|error| FormatError::io("make the folder", dir, error))?;
+    fs::write(file, write_plan(plan)).map_err(|error| FormatError::io("write the plan", file, error))
+}
+
+fn survey(office: &Scenario) -> Result<FloorMap, Stop> {
+    let walks = office.survey_walks();
+    let bar = progress::bar("survey walks", walks.len());
+    let walks: Vec<SurveyWalk> = walks
+        .par_iter()
+        .map(|walk| {
+            let walk = office.simulate(walk).survey_walk();
+            bar.inc(1);
+            walk
+        })
+        .collect();
+    bar.finish_and_clear();
+    build_floor(FLOOR, ORDINAL, &office.building.plan, &walks, &SurveyParams::default())
+        .map_err(|error| Stop::Failed(format!("no map of the simulated walks: {error}")))
+}
+
+/// One row a system.
+fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> Vec<Row> {
+    let floor = Arc::new(FloorIndex::new(floor));
+    let recipes: Vec<Recipe> = Recipe::NAMES.into_iter().filter_map(Recipe::named).collect();
+    let walks: Vec<_> = (0..).zip(office.test_walks(n_walks.into(), WALK_M)).collect();
+    let bar = progress::bar("walks that the map has not seen", walks.len() * recipes.len());
+    let scored: Vec<Vec<WalkScore>> = walks
+        .into_par_iter()
+        .filter_map(|(k, walk)| {
+            let walk = test_walk(office.simulate(&walk))?;
+            // All recordings begin at one instant, so the start is off by as much in all under one seed.
+            let seed = CounterRng::new(office.seed, k).next_u64();
+            Some(score_systems(&floor, &recipes, seed, &walk, &bar))
+        })
+        .collect();
+    bar.finish_and_clear();
+    let start = START.to_string();
+    let rows_of = |(k, recipe): (usize, &Recipe)| {
+        let group = RowGroup {
+            dataset: DATASET,
+            floor: FLOOR,
+            system: &recipe.name,
+            start: &start,
+            n_walks: scored.len(),
+            seeds: 1,
+        };
+        group.rows(&scored.iter().map(|walk| &walk[k]).collect::<Vec<_>>())
+    };
+    recipes.iter().enumerate().flat_map(rows_of).collect()
+}
+
+fn score_systems(
+    floor: &Arc<FloorIndex>,
+    recipes: &[Recipe],
+    seed: u64,
+    walk: &TestWalk,
+    bar: &ProgressBar,
+) -> Vec<WalkScore> {
+    let score_system = |recipe| {
+        let scored = score(floor, recipe, START, seed, walk);
+        bar.inc(1);
+        scored
+    };
+    recipes.iter().map(score_system).collect()
+}
+
+/// The recording to score against the simulator's truth; nothing when there is no truth.
+fn test_walk(recorded: Recorded) -> Option<TestWalk> {
+    let (first, last) = (*recorded.truth.first()?, *recorded.truth.last()?);
+    let truth = (FIRST_SCORED_S..)
+        .map(|after_s| first.time + Duration::from_millis(1_000 * after_s))
+        .take_while(|&time| time <= last.time)
+        .filter_map(|time| recorded.truth_at(time))
+        .map(|truth| TruthPoint { kind: PointKind::Truth, time: truth.time, point: truth.position })
+        .collect();
+    let start = Waypoint { time: first.time, point: first.position };
+    Some(TestWalk { samples: recorded.samples, start, truth })
+}
