@@ -22,6 +22,8 @@ pub struct TrackerState {
     particles: Particles,
     /// Whether the particles have a place.
     is_placed: bool,
+    /// Steps that went by without a place, waiting for radio.
+    n_waited: u32,
     /// Whether they have a direction too, which takes a first step.
     is_oriented: bool,
     /// Number of steps consumed: the counter of the random draws.
@@ -166,6 +168,9 @@ impl Tracker {
     /// Consumes a step and what radio was heard during it.
     pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
         if !self.state.is_placed {
+            if self.recipe.radio.is_some() && self.waits_for_radio(radio) {
+                return;
+            }
             self.place_unknown(radio);
         }
         if !self.state.is_oriented {
@@ -179,7 +184,9 @@ impl Tracker {
         self.apply_routes();
         self.apply_magnetic(event);
         if let Some(params) = &self.recipe.radio {
-            radio::update(params, &self.floor.map().transmitters, radio, &mut self.state.particles);
+            let is_wide = self.state.estimate.is_some_and(|e| e.radius_68_m > f64::from(params.wide_m));
+            let transmitters = &self.floor.map().transmitters;
+            radio::update(params, transmitters, radio, is_wide, &mut self.state.particles);
         }
         if !self.weigh() {
             self.recover();

@@ -10,15 +10,28 @@ use crate::particle::Particles;
 pub struct RadioParams {
     /// The likelihood of all sightings of a step together is raised to this power, in (0, 1].
     pub tempering: f32,
+    /// The same while the cloud is wider than `wide_m`: then radio knows more than the particles do.
+    pub wide_tempering: f32,
+    /// The cloud is wide when its 68 % radius exceeds this, in metres.
+    pub wide_m: f32,
     /// Degrees of freedom of the Student-t density of the received power.
     pub degrees_of_freedom: f32,
     /// At most this many transmitters a step are used, the strongest first.
     pub max_transmitters: usize,
+    /// The same while the cloud is wide.
+    pub wide_max_transmitters: usize,
 }
 
 impl Default for RadioParams {
     fn default() -> Self {
-        Self { tempering: 0.05, degrees_of_freedom: 4.0, max_transmitters: 4 }
+        Self {
+            tempering: 0.05,
+            wide_tempering: 0.3,
+            wide_m: 5.0,
+            degrees_of_freedom: 4.0,
+            max_transmitters: 4,
+            wide_max_transmitters: 12,
+        }
     }
 }
 
@@ -31,7 +44,7 @@ pub struct RadioObservation {
     pub rssi_dbm: f32,
 }
 
-/// Adds the tempered log-likelihood of `observations` to every particle.
+/// Adds the tempered log-likelihood of `observations` to every particle of a cloud that is wide, or is not.
 ///
 /// # Source
 /// iBILL 2017, Eq. 1 (log-distance path loss); the Student-t density and the tempering are ours.
@@ -39,14 +52,20 @@ pub fn update(
     params: &RadioParams,
     transmitters: &[Transmitter],
     observations: &[RadioObservation],
+    is_wide: bool,
     particles: &mut Particles,
 ) {
-    for observation in observations.iter().take(params.max_transmitters) {
+    let (tempering, n) = if is_wide {
+        (params.wide_tempering, params.wide_max_transmitters)
+    } else {
+        (params.tempering, params.max_transmitters)
+    };
+    for observation in observations.iter().take(n) {
         let Some(transmitter) = transmitters.get(observation.transmitter as usize) else { continue };
         let model = PathLoss::of(transmitter);
         for i in 0..particles.x_m.len() {
             let z = model.deviation(observation.rssi_dbm, particles.x_m[i], particles.y_m[i]);
-            particles.log_weight[i] += params.tempering * log_student(params.degrees_of_freedom, z);
+            particles.log_weight[i] += tempering * log_student(params.degrees_of_freedom, z);
         }
     }
 }
@@ -115,5 +134,28 @@ mod tests {
         assert!(log_likelihood(4.0, &transmitter, -60.0, 10.0, 0.0).abs() < 1e-5);
         // At 1 m it says −40: z = −4, −2.5·ln(1 + 16/4) = −4.0236.
         assert!((log_likelihood(4.0, &transmitter, -60.0, 1.0, 0.0) + 2.5 * libm::logf(5.0)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_wide_cloud_believes_radio_more() {
+        let transmitter = Transmitter {
+            id: TransmitterId::WifiBssid([1; 6]),
+            position: Point2::new(0.0, 0.0),
+            power_at_1m_dbm: -40.0,
+            path_loss_exponent: 2.0,
+            sigma_db: 5.0,
+            n_sightings: 9,
+        };
+        let params = RadioParams::default();
+        let heard = [RadioObservation { transmitter: 0, rssi_dbm: -60.0 }];
+        let log_weight = |is_wide: bool| {
+            let mut particles =
+                Particles { x_m: vec![1.0], y_m: vec![0.0], log_weight: vec![0.0], ..Particles::default() };
+            update(&params, &[transmitter], &heard, is_wide, &mut particles);
+            particles.log_weight[0]
+        };
+        let whole = -2.5 * libm::logf(5.0);
+        assert!((log_weight(false) - params.tempering * whole).abs() < 1e-5);
+        assert!((log_weight(true) - params.wide_tempering * whole).abs() < 1e-5);
     }
 }

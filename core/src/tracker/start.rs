@@ -13,7 +13,21 @@ const START_REACH_M: f32 = 2.0;
 /// Half the side of the square in which particles are spread after all have died, in metres.
 const RECOVERY_RADIUS_M: f64 = 3.0;
 
+/// Without a hint, this many transmitters heard at once are worth a start.
+const START_TRANSMITTERS: usize = 3;
+/// So many steps are waited for them.
+const START_WAIT_STEPS: u32 = 8;
+
 impl Tracker {
+    /// Whether a start without a hint is better put off: too little radio was heard yet, and more may come.
+    pub(super) fn waits_for_radio(&mut self, radio: &[RadioObservation]) -> bool {
+        let has_transmitters = !self.floor.map().transmitters.is_empty();
+        let waits =
+            has_transmitters && radio.len() < START_TRANSMITTERS && self.state.n_waited < START_WAIT_STEPS;
+        self.state.n_waited += u32::from(waits);
+        waits
+    }
+
     /// Gives every particle its place, and its length genes; directions come with the first step.
     pub(super) fn occupy(&mut self, x_m: Vec<f32>, y_m: Vec<f32>) {
         let n = x_m.len();
