@@ -120,16 +120,20 @@ mod tests {
     use crate::geometry::Point2;
     use crate::sensor::TransmitterId;
 
-    #[test]
-    fn path_loss_by_hand() {
-        let transmitter = Transmitter {
+    fn at_the_origin() -> Transmitter {
+        Transmitter {
             id: TransmitterId::WifiBssid([1; 6]),
             position: Point2::new(0.0, 0.0),
             power_at_1m_dbm: -40.0,
             path_loss_exponent: 2.0,
             sigma_db: 5.0,
             n_sightings: 9,
-        };
+        }
+    }
+
+    #[test]
+    fn path_loss_by_hand() {
+        let transmitter = at_the_origin();
         // At 10 m the model says −60 dBm: no deviation, no penalty.
         assert!(log_likelihood(4.0, &transmitter, -60.0, 10.0, 0.0).abs() < 1e-5);
         // At 1 m it says −40: z = −4, −2.5·ln(1 + 16/4) = −4.0236.
@@ -138,14 +142,7 @@ mod tests {
 
     #[test]
     fn a_wide_cloud_believes_radio_more() {
-        let transmitter = Transmitter {
-            id: TransmitterId::WifiBssid([1; 6]),
-            position: Point2::new(0.0, 0.0),
-            power_at_1m_dbm: -40.0,
-            path_loss_exponent: 2.0,
-            sigma_db: 5.0,
-            n_sightings: 9,
-        };
+        let transmitter = at_the_origin();
         let params = RadioParams::default();
         let heard = [RadioObservation { transmitter: 0, rssi_dbm: -60.0 }];
         let log_weight = |is_wide: bool| {
