@@ -12,6 +12,7 @@ mod error_table;
 pub mod evaluation;
 pub mod floors;
 mod in_order;
+pub mod plot;
 mod progress;
 mod stop;
 mod table;
