@@ -16,6 +16,7 @@ pub mod plot;
 mod progress;
 mod stop;
 mod table;
+pub mod walker_evaluation;
 pub mod walks;
 
 use std::io::{self, BufWriter, Write};
