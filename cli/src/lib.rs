@@ -11,7 +11,6 @@ mod commands;
 mod error_table;
 pub mod evaluation;
 pub mod floors;
-mod in_order;
 pub mod plot;
 mod progress;
 mod stop;
