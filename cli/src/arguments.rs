@@ -1,5 +1,7 @@
 //! What can be asked for on the command line.
 
+mod import;
+mod simulate;
 mod values;
 
 use std::path::PathBuf;
@@ -11,6 +13,8 @@ use fieldwalk::system::Recipe;
 use crate::evaluation::{N_FOLDS, Start};
 use crate::floors::Layout;
 
+pub use import::ImportArguments;
+pub use simulate::{SimulateArguments, scenario};
 pub use values::{ReplayStart, Seeds};
 
 const EXIT_CODES: &str = "\
@@ -34,6 +38,8 @@ pub enum Command {
     Survey(SurveyArguments),
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
+    Import(ImportArguments),
+    Simulate(SimulateArguments),
 }
 
 /// Survey a simulated office and position walks in it: needs no recording.
@@ -61,7 +67,8 @@ pub struct DemoArguments {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000))]
     pub walks: u32,
 
-    /// Where office.map and office.geojson, its plan, go: a folder, made if need be; those that are there are replaced.
+    /// Where office.map, office.geojson, its plan, and test-01.mcap, one of the walks, go: a folder, made if need be; those
+    /// that are there are replaced.
     #[arg(long, value_name = "DIR", default_value = "fieldwalk-demo")]
     pub out: PathBuf,
 

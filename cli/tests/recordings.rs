@@ -68,17 +68,70 @@ fn recordings_are_surveyed_replayed_and_evaluated() {
 }
 
 #[test]
-fn a_text_log_and_the_same_as_mcap_give_the_same_bits() {
-    let dir = folder("recordings_bits");
+fn an_imported_log_gives_the_same_bits_as_the_log() {
+    let dir = folder("recordings_import");
     let text_floor = write_floor(&dir, "F1", 6);
     let map = dir.join("map");
     succeed(&["survey", text(&text_floor), "--out", text(&map), "--coverage"]);
-    let (original, copy) = (trace(&text_floor, 0), dir.join("copy.mcap"));
-    to_mcap(&original, &copy, "F1");
+    // Out of order, as logs are; with a header, a torn line and a stale WiFi row.
+    let original = dir.join("walk.txt");
+    let log = walk(0);
+    let mut lines: Vec<&str> = log.lines().skip(1).collect();
+    for chunk in lines.chunks_mut(40) {
+        chunk.reverse();
+    }
+    let header =
+        "#\tFloorName:F1\n#\tstartTime:1574567556121\tBrand:Make\tModel:M 1\n1574567556121\tTYPE_GYRO\n";
+    let stale = "\n1574567556121\tTYPE_WIFI\tx\ta8:0c:ca:03:9d:d7\t-49\t2422\t1574567500000\n";
+    fs::write(&original, format!("{header}{}{stale}", lines.join("\n"))).unwrap();
+
     let digest = |path: &Path| {
         succeed(&["replay", text(&map), text(path), "--bits"]).split_once(' ').unwrap().0.to_owned()
     };
-    assert_eq!(digest(&original), digest(&copy));
+    let (out, file) = (dir.join("imported"), dir.join("one.mcap"));
+    let report = objects(&succeed(&["import", text(&original), "--out", text(&out), "--json"])).remove(0);
+    assert_eq!(report["n_waypoints"], 7);
+    assert_eq!((&report["floor"], &report["device"]), (&"F1".into(), &"Make M 1".into()));
+    assert_eq!(
+        (&report["lines_rejected"]["unknown_type"], &report["n_stale_wifi_rows"]),
+        (&1.into(), &1.into())
+    );
+    let said = succeed(&["import", text(&original), "--out", text(&file), "--zstd", "--floor", "F1"]);
+    assert!(said.contains("lines rejected: 1; 1 unknown type; stale WiFi rows left out: 1"), "{said}");
+
+    let imported = out.join("walk.mcap");
+    assert_eq!(digest(&original), digest(&imported));
+    assert_eq!(digest(&original), digest(&file));
+    let size = |path: &Path| fs::metadata(path).unwrap().len();
+    assert!(size(&file) < size(&imported));
+    let mut recording = open_recording(&imported).unwrap();
+    let times: Vec<_> = recording.by_ref().map(|record| record.unwrap().time()).collect();
+    assert!(times.is_sorted() && times.len() as u64 == report["n_records"].as_u64().unwrap());
+    assert_eq!(recording.info().start_unix_ms, Some(1_574_567_556_121));
+    // A recording can be imported too, and says then what it lost itself.
+    let again = dir.join("again.mcap");
+    assert!(succeed(&["import", text(&imported), "--out", text(&again)]).ends_with("  nothing lost\n"));
+    assert_eq!(fs::read(&imported).unwrap(), fs::read(&again).unwrap());
+}
+
+#[test]
+fn an_import_that_fails_leaves_no_file_and_never_replaces_its_log() {
+    let dir = folder("recordings_import_fails");
+    let (foreign, good, out) = (dir.join("notes.txt"), dir.join("walk.txt"), dir.join("out"));
+    fs::write(&foreign, "notes\n".repeat(1_000)).unwrap();
+    fs::write(&good, walk(1)).unwrap();
+    let said = ["notes.txt:1: not an", "1 of 2 logs"];
+    fail(&["import", text(&foreign), text(&good), "--out", text(&out)], 1, &said);
+    let files: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(files, ["walk.mcap"]);
+    let imported = out.join("walk.mcap");
+    fail(&["import", text(&imported), "--out", text(&out)], 2, &["would replace itself"]);
+    fail(&["import", text(&good), text(&imported), "--out", text(&dir.join("o"))], 2, &["would both become"]);
+    fail(
+        &["import", text(&good), text(&foreign), "--out", text(&dir.join("a.mcap"))],
+        2,
+        &["names one recording"],
+    );
 }
 
 #[test]
@@ -134,11 +187,11 @@ fn waypoints_in_degrees_need_a_georeferenced_plan() {
     }
     let walk = dir.join("walk.log");
     fs::write(&walk, log).unwrap();
-    fail(
-        &["replay", text(&map), text(&walk)],
-        1,
-        &["walk.log: its waypoints are in degrees", "georeference"],
-    );
+    let said = ["walk.log: its waypoints are in degrees", "georeference"];
+    fail(&["replay", text(&map), text(&walk)], 1, &said);
+    let imported = dir.join("walk.mcap");
+    fail(&["import", text(&walk), "--out", text(&imported)], 1, &said);
+    assert!(!imported.exists());
 
     let georeferenced = PLAN.replacen(
         r#""frame": "metres""#,
@@ -151,4 +204,9 @@ fn waypoints_in_degrees_need_a_georeferenced_plan() {
     let summary = objects(&succeed(&["replay", text(&map), text(&walk), "--json"])).pop().unwrap();
     assert_eq!(summary["errors"]["n_points"], 6);
     assert!(summary["errors"]["median_m"].as_f64().unwrap() < 2.5, "{summary}");
+
+    let plan = floor.join("plan.geojson");
+    succeed(&["import", text(&walk), "--plan", text(&plan), "--out", text(&imported)]);
+    let bits = |path: &Path| succeed(&["replay", text(&map), text(path), "--bits"])[..64].to_owned();
+    assert_eq!(bits(&walk), bits(&imported));
 }

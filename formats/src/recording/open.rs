@@ -101,6 +101,10 @@ impl<R: Read> RecordSource for RecordingReader<R> {
 }
 
 impl<R: BufRead> RecordSource for TraceReader<R> {
+    fn info(&self) -> RecordingInfo {
+        TraceReader::info(self).clone()
+    }
+
     fn floor_name(&self) -> Option<&str> {
         TraceReader::floor_name(self)
     }
