@@ -1,6 +1,6 @@
 //! The facade: samples in, fixes out.
 
-mod fix;
+pub(crate) mod fix;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -7,6 +7,7 @@ mod walks;
 use std::io::Write;
 
 use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
+use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::survey::{Coverage, SurveyParams, build_floor};
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::ilc::floor_ordinal;
@@ -37,8 +38,13 @@ pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop
     let files = report::floor_files(&arguments.out)?;
     let mut reports = Vec::new();
     for (map, walks) in building.floors.into_iter().zip(&surveys) {
-        let expected =
-            (!arguments.no_expected_accuracy).then(|| expected::accuracy(&map, walks, &params)).flatten();
+        let scores = if arguments.no_expected_accuracy {
+            Vec::new()
+        } else {
+            expected::scores(&map, walks, &params)
+        };
+        let fixes: Vec<ScoredFix> = scores.iter().map(|(_, fix)| *fix).collect();
+        let expected = ErrorSummary::of(&fixes);
         let index = FloorIndex::new(map);
         reports.push(FloorReport::new(&index, Coverage::of(&index), walks, &files, expected));
     }
