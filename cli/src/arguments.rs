@@ -125,6 +125,11 @@ pub struct SurveyArguments {
     #[arg(long, value_name = "MAPDIR")]
     pub out: PathBuf,
 
+    /// Where the pictures go, an SVG file a floor such as mall-F1-survey.svg: a folder, made if need be [default: beside
+    /// the map].
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+
     /// The building's name [default: the name of the folder that holds the floors].
     #[arg(long)]
     pub name: Option<String>,
