@@ -40,7 +40,7 @@ pub struct SteelParams {
     pub cabinets_per_m: f64,
     /// Remanent pole of a cabinet, standard deviation, in µT·m²; default 8.
     pub cabinet_ut_m2: f64,
-    /// Remanent pole of each guide rail and of the car of a lift, standard deviation, in µT·m²; default 40.
+    /// Remanent pole of each guide rail of a lift, standard deviation, in µT·m²; default 40.
     pub lift_ut_m2: f64,
 }
 
@@ -140,7 +140,6 @@ pub fn steel(building: &Building, earth: &EarthField, params: &SteelParams, seed
                 let rail = shaft.centre().lerp(corner, 0.7);
                 sources.push(upright(rail, -1.5, ceiling_m + 1.5, noise.normal(params.lift_ut_m2)));
             }
-            sources.push(upright(shaft.centre(), 0.2, 2.4, noise.normal(params.lift_ut_m2)));
         }
     });
     sources

@@ -10,7 +10,7 @@ use crate::walker::{Course, Pause, Step, WalkerProfile, pace};
 
 /// The jolt of a heel strike: how long it rings, in seconds, and at what frequency.
 const JOLT_S: f64 = 0.15;
-const JOLT_HZ: f64 = 10.0;
+pub(crate) const JOLT_HZ: f64 = 10.0;
 /// Share of the body's rise in the second harmonic of the step, and in the stride's.
 const SECOND_HARMONIC: f64 = 0.06;
 /// Variation of speed within a step, over the mean speed.
@@ -41,10 +41,30 @@ pub struct Body {
     pub step_phase: f64,
     /// 0 when standing, 1 in full stride.
     pub vigour: f64,
-    /// Offset of the trunk by the gait, without the jolts of heel strikes, in metres.
+    /// Offset of the trunk by the gait, without the bounce and the jolts of heel strikes, in metres.
     pub offset_m: [f64; 3],
+    /// The trunk's rise and fall within steps and strides: the parts of its upward offset by frequency.
+    pub bounce: [Wave; 3],
     /// Upward offset by the jolt of a heel strike, in metres.
     pub jolt_m: f64,
+}
+
+/// A part of a periodic motion: `amplitude_m · cos(phase_rad)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wave {
+    /// Its amplitude, in metres.
+    pub amplitude_m: f64,
+    /// Where it is in its period, in radians.
+    pub phase_rad: f64,
+    /// Its frequency at this time, in Hz.
+    pub frequency_hz: f64,
+}
+
+impl Body {
+    /// The trunk's rise by its bounce, in metres.
+    pub fn bounced_m(&self) -> f64 {
+        self.bounce.iter().map(|wave| wave.amplitude_m * libm::cos(wave.phase_rad)).sum()
+    }
 }
 
 /// A walk in time: who walks where, step by step, and the body at every instant.
@@ -69,6 +89,7 @@ struct Bout {
     at_m: Spline,
     phase: Spline,
     length_m: Spline,
+    step_hz: Spline,
     /// Height of the floor at the feet, and the rise of each step.
     height_m: Spline,
     climb_m: Spline,
@@ -153,20 +174,28 @@ impl Gait {
         let length_m = bout.length_m.at(time_s);
         let half_rise_m = 0.5 * self.walker.rise_m(length_m);
         let step_rad = TAU * step_phase;
+        let step_hz = bout.step_hz.at(time_s);
+        let wave = |amplitude_m: f64, phase_rad: f64, harmonic: f64| Wave {
+            amplitude_m: vigour * amplitude_m,
+            phase_rad,
+            frequency_hz: harmonic * step_hz,
+        };
         // Lowest just after the heel strike, when both feet are down, highest over the standing foot.
-        let second = SECOND_HARMONIC * libm::cos(2.0 * step_rad + 0.8);
-        let limp = 2.0 * self.walker.asymmetry * libm::cos(0.5 * step_rad + 0.4);
+        let bounce = [
+            wave(-half_rise_m, step_rad - 0.3, 1.0),
+            wave(SECOND_HARMONIC * half_rise_m, 2.0 * step_rad + 0.8, 2.0),
+            wave(2.0 * self.walker.asymmetry * half_rise_m, 0.5 * step_rad + 0.4, 0.5),
+        ];
         let climb_m = bout.climb_m.at(time_s);
         // Up, the body is lifted early in the step; down, it is let down late.
         let lag_rad = TAU * if climb_m > 0.0 { LIFTED_AT } else { LET_DOWN_AT };
-        let climbing_m = UNEVEN_CLIMB * climb_m / TAU * libm::sin(step_rad - lag_rad);
-        let up_m = half_rise_m * (second + limp - libm::cos(step_rad - 0.3)) + climbing_m;
+        let up_m = UNEVEN_CLIMB * climb_m / TAU * libm::sin(step_rad - lag_rad);
         // Fastest when lowest.
         let ahead_m = SURGE * length_m / TAU * libm::sin(step_rad - 0.3);
         // Over the standing foot: to the left while the right foot swings.
         let right_m = -self.walker.sway_m * libm::sin(0.5 * step_rad + self.sway_phase_rad);
         let offset_m = [right_m, ahead_m, up_m].map(|c| vigour * c);
-        Body { step_phase, vigour, offset_m, jolt_m, ..still }
+        Body { step_phase, vigour, offset_m, bounce, jolt_m, ..still }
     }
 
     /// A burst of 10 Hz after each contact, as strong as the step was long.
@@ -203,6 +232,11 @@ impl Bout {
             phase: Spline::new(times_s.clone(), phases.collect(), Ends::Straight),
             height_m: Spline::new(times_s.clone(), heights_m, Ends::Level),
             climb_m: Spline::new(middles_s.clone(), climbs_m, Ends::Straight),
+            step_hz: Spline::new(
+                middles_s.clone(),
+                steps.iter().map(|s| 1.0 / (s.end_s - s.start_s)).collect(),
+                Ends::Straight,
+            ),
             length_m: Spline::new(middles_s, steps.iter().map(|s| s.length_m).collect(), Ends::Straight),
             contacts_s: times_s[1..].to_vec(),
             is_first_right: first.is_right,
@@ -259,7 +293,7 @@ mod tests {
             let t = 5.0 + 0.013 * f64::from(k);
             let place = |t: f64| {
                 let body = gait.body(t);
-                [body.offset_m[0], body.offset_m[1], body.offset_m[2] + body.jolt_m]
+                [body.offset_m[0], body.offset_m[1], body.offset_m[2] + body.bounced_m() + body.jolt_m]
             };
             let (a, b, c) = (place(t - h), place(t), place(t + h));
             for d in 0..3 {
