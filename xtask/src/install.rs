@@ -45,6 +45,12 @@ const TOOLS: &[Tool] = &[
         packages: &["tar", "xz-utils"],
     },
     Tool {
+        name: "chromium",
+        purpose: "the report in a browser, stage test",
+        is_present: || find_program("chromium").is_some(),
+        packages: &["chromium"],
+    },
+    Tool {
         name: "python3 with venv",
         purpose: "a map read without our code",
         is_present: || succeeds(Command::new("python3").args(["-c", "import venv, ensurepip"])),
