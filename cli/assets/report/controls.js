@@ -19,7 +19,7 @@ const KEYS = [
   ["L", "next map layer; with Shift, the previous"],
   ["N", "no map layer, or the last one"],
   ["T R E P W S F", "truth, 68 % and 95 % radius, particles, whole way, survey lines, follow"],
-  ["+ − 0", "zoom in, out, show the whole floor"],
+  ["+ − 0", "zoom in, out, show the whole floor or the walk"],
   ["D", "light or dark"],
   ["?", "this help"],
 ];
@@ -56,14 +56,17 @@ function makeWalks(choose) {
   report.walks.forEach((walk, index) => {
     const mean = means[index];
     const bar = element("meter", { min: 0, max: largest || 1, value: mean ?? 0, "aria-hidden": "true" });
-    const error = Number.isFinite(mean) ? `mean error ${say(mean, "m")}` : "truth unknown";
-    const floor = report.floors.length > 1 ? ` · ${report.floors[walk.floor].name}` : "";
+    const error = Number.isFinite(mean) ? `mean error ${say(mean, "m", 1)}` : "truth unknown";
+    const isSeedTold = walk.seed.length < 5 && report.walks.some((other) => other.seed !== walk.seed);
+    const floor = report.floors.length > 1 ? `${report.floors[walk.floor].name} · ` : "";
+    // Names from a collection often differ at their ends alone.
+    const name = walk.name.length > 18 ? `${walk.name.slice(0, 8)}…${walk.name.slice(-4)}` : walk.name;
     const button = element(
       "button",
       { type: "button", class: "walk", "data-walk": index },
-      element("span", { class: "walk-name", title: walk.name }, walk.name),
-      element("span", { class: "walk-floor" }, `${clockText(walk.duration_s)}${floor}`),
-      element("span", { class: "walk-error" }, error),
+      element("span", { class: "walk-name", title: walk.name }, name),
+      element("span", { class: "walk-floor" }, `${floor}${Math.round(walk.duration_s)} s`),
+      element("span", { class: "walk-error" }, isSeedTold ? `${error}, seed ${walk.seed}` : error),
       bar,
     );
     button.addEventListener("click", () => choose(index));

@@ -2,19 +2,43 @@
 
 const mapCanvas = document.getElementById("map");
 /** Screen = (place − centre) · scale + middle of the canvas, y up. */
-const view = { x: 0, y: 0, scale: 1, isFitted: true };
+const view = { x: 0, y: 0, scale: 1, fittedTo: null };
 /** Plan and layer change seldom: they are drawn once for each view. */
 const ground = { canvas: document.createElement("canvas"), key: "" };
 const heatImages = new Map();
 
-function fitView(floor) {
+/** Shows the box from (low x, low y) to (high x, high y). */
+function fitView(extent) {
   const margin = 14;
   const width = Math.max(mapCanvas.clientWidth - 2 * margin, 40);
   const height = Math.max(mapCanvas.clientHeight - 2 * margin, 40);
-  view.scale = Math.min(width / Math.max(floor.width_m, 1), height / Math.max(floor.height_m, 1));
-  view.x = floor.width_m / 2;
-  view.y = floor.height_m / 2;
-  view.isFitted = true;
+  const [left, bottom, right, top] = extent;
+  view.scale = Math.min(width / Math.max(right - left, 1), height / Math.max(top - bottom, 1));
+  view.x = (left + right) / 2;
+  view.y = (bottom + top) / 2;
+  view.fittedTo = extent;
+}
+
+const floorExtent = (floor) => [0, 0, floor.width_m, floor.height_m];
+
+/** A walk with its surroundings, not less than 30 m; the whole floor when that is hardly more. */
+function walkExtent(walk, floor) {
+  const lines = [walk.truth.place, walk.truth.markPlace, ...walk.tracks.map((track) => track.place)];
+  const extent = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const line of lines) {
+    for (let k = 0; k < line.length; k++) {
+      extent[k % 2] = Math.min(extent[k % 2], line[k]);
+      extent[2 + (k % 2)] = Math.max(extent[2 + (k % 2)], line[k]);
+    }
+  }
+  if (!Number.isFinite(extent[0])) return floorExtent(floor);
+  for (const axis of [0, 1]) {
+    const aside = Math.max(6, (30 - (extent[2 + axis] - extent[axis])) / 2);
+    extent[axis] -= aside;
+    extent[2 + axis] += aside;
+  }
+  const isMost = extent[2] - extent[0] > 0.7 * floor.width_m || extent[3] - extent[1] > 0.7 * floor.height_m;
+  return isMost ? floorExtent(floor) : extent;
 }
 
 const toScreen = (x, y) => [
@@ -33,13 +57,13 @@ function zoomAt(factor, left, top) {
   view.scale = Math.max(0.5, Math.min(400, view.scale * factor));
   view.x = x - (left - mapCanvas.clientWidth / 2) / view.scale;
   view.y = y + (top - mapCanvas.clientHeight / 2) / view.scale;
-  view.isFitted = false;
+  view.fittedTo = null;
 }
 
 function moveView(left, top) {
   view.x -= left / view.scale;
   view.y += top / view.scale;
-  view.isFitted = false;
+  view.fittedTo = null;
 }
 
 /** A layer as an image of one pixel a node. */
@@ -137,7 +161,7 @@ function drawNames(context, floor) {
     const [bottom, top] = [Math.min(...ys) / 100, Math.max(...ys) / 100];
     const name = unit.name.length > 24 ? `${unit.name.slice(0, 23)}…` : unit.name;
     const room = (high - low) * view.scale;
-    if (room < 40 || (top - bottom) * view.scale < 16 || context.measureText(name).width > room - 6) continue;
+    if (room < 52 || (top - bottom) * view.scale < 16 || context.measureText(name).width > room - 6) continue;
     const [at, height] = toScreen((low + high) / 2, (bottom + top) / 2);
     context.strokeStyle = theme.raised;
     context.lineWidth = 3;
@@ -208,7 +232,13 @@ function drawLine(context, line, colour, time, isWhole, dash) {
   if (isWhole) {
     context.beginPath();
     traceLine(context, line, -1, Infinity);
-    strokeWithHalo(context, colour, 1.4, 0.4, dash);
+    context.globalAlpha = 0.5;
+    context.strokeStyle = colour;
+    context.lineWidth = 1.3;
+    context.setLineDash(dash);
+    context.stroke();
+    context.setLineDash([]);
+    context.globalAlpha = 1;
   }
   context.beginPath();
   traceLine(context, line, -1, time);

@@ -2,6 +2,7 @@
 
 const state = {
   walk: 0,
+  isChosen: false,
   time: 0,
   isPlaying: false,
   speed: 4,
@@ -95,9 +96,9 @@ function play(isPlaying) {
 }
 
 function chooseWalk(index) {
-  const floorBefore = state.chosen === undefined ? null : floorNow();
+  const floorBefore = state.isChosen ? floorNow() : null;
   state.walk = Math.max(0, Math.min(index, report.walks.length - 1));
-  state.chosen = true;
+  state.isChosen = true;
   state.time = 0;
   const walk = walkNow();
   byId("time").max = String(walk.duration_s);
@@ -106,14 +107,15 @@ function chooseWalk(index) {
     button.toggleAttribute("aria-current", isChosen);
     if (isChosen) button.scrollIntoView({ block: "nearest", inline: "nearest" });
   }
+  fitView(walkExtent(walk, floorNow()));
   if (floorNow() !== floorBefore) {
     fillLayers(floorNow(), state.layer);
-    fitView(floorNow());
     drawLegend(layerNow());
   }
   byId("truth-kind").textContent = {
     continuous: "Truth", waypoints: "Waypoints, and the way between them by steps", none: "Truth: not known",
   }[walk.truth.kind];
+  byId("truth-line").setAttribute("stroke-dasharray", walk.truth.kind === "waypoints" ? "6 4" : "none");
   const errors = SYSTEMS.flatMap(({ name, index: k }) =>
     walk.errors[k] ? [`${name} ${say(walk.errors[k].mean_m, "m")} mean error`] : []);
   timelineCanvas.setAttribute("aria-label", `Error over time of ${walk.name}: ${errors.join(", ") || "truth unknown"}`);
@@ -147,7 +149,7 @@ function toggleSystem(index, isOn) {
 function toggleShow(id, isOn) {
   state.shows[id] = isOn;
   byId(`show-${id}`).checked = isOn;
-  if (id === "follow" && isOn && view.isFitted) zoomAt(3, mapCanvas.clientWidth / 2, mapCanvas.clientHeight / 2);
+  if (id === "follow" && isOn && view.fittedTo) zoomAt(3, mapCanvas.clientWidth / 2, mapCanvas.clientHeight / 2);
   redraw();
 }
 
@@ -167,9 +169,12 @@ function zoomMiddle(factor) {
   redraw();
 }
 
+/** Shows the whole floor or, where that is shown, the walk. */
 function fitAgain() {
   if (state.shows.follow) toggleShow("follow", false);
-  fitView(floorNow());
+  const whole = floorExtent(floorNow());
+  const isWhole = view.fittedTo !== null && view.fittedTo.join() === whole.join();
+  fitView(isWhole ? walkExtent(walkNow(), floorNow()) : whole);
   redraw();
 }
 
@@ -240,7 +245,7 @@ function listen() {
   curvesCanvas.addEventListener("pointermove", (event) => probe(event.offsetX));
   curvesCanvas.addEventListener("pointerleave", () => probe(null));
   new ResizeObserver(() => {
-    if (view.isFitted) fitView(floorNow());
+    if (view.fittedTo) fitView(view.fittedTo);
     drawLegend(layerNow());
     drawCurves(state);
     redraw();

@@ -142,7 +142,8 @@ fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> (Vec<Row>, R
         group.rows(&of_system(k))
     };
     let rows: Vec<Row> = recipes.iter().enumerate().flat_map(rows_of).collect();
-    let about = format!("{DATASET}, seed {}, walks that the map has not seen, start {START}", office.seed);
+    let (n, seed, start) = (scored.len(), office.seed, START.in_words());
+    let about = format!("{n} walks that the map has not seen in a {DATASET}, seed {seed}; {start}");
     let systems = recipes.iter().map(|recipe| recipe.name.clone()).collect();
     let mut report = Report::new("Fieldwalk demo", about, systems);
     let curve_of = |(k, recipe): (usize, &Recipe)| ErrorCurve::of(&recipe.name, &of_system(k));

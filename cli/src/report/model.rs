@@ -39,7 +39,8 @@ pub struct Walk {
     name: String,
     /// Index of its floor.
     floor: usize,
-    seed: u64,
+    /// As text: a script's numbers have no 64 bits.
+    seed: String,
     duration_s: f64,
     truth: TruthTrack,
     tracks: Vec<Track>,
@@ -132,7 +133,7 @@ impl Walk {
         Self {
             name: name.into(),
             floor: 0,
-            seed,
+            seed: seed.to_string(),
             duration_s: ended.secs_since(began).max(0.0),
             truth: truth.track(began),
             tracks: runs.iter().map(|run| run.track(began, truth)).collect(),

@@ -36,9 +36,9 @@ pub fn report(
     let n_seeds = evaluation.seeds.len();
     let seeds = if n_seeds == 1 { "seed" } else { "seeds" };
     let about = format!(
-        "{n_all} walks that the map has not seen, start {}, {n_seeds} {seeds}; played are the {} worst, each with its \
-         worst seed",
-        evaluation.start,
+        "{n_all} walks that the map has not seen, {}, {n_seeds} {seeds}; shown are the {} worst, each with its worst \
+         seed",
+        evaluation.start.in_words(),
         played.iter().flatten().count()
     );
     let labels: Vec<&str> = scores.iter().map(|(label, _)| label.as_str()).collect();
