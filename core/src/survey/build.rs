@@ -52,7 +52,19 @@ pub enum SurveyError {
     NoField,
     /// The plan's width or height is not a positive number of metres, or is beyond 10 km.
     BadPlan,
+    /// The map would have more than [`MAX_NODES`] nodes.
+    TooManyNodes {
+        /// The plan's width, in metres.
+        width_m: u32,
+        /// The plan's height, in metres.
+        height_m: u32,
+    },
 }
+
+/// The most nodes that a floor's map may have: at the default of half a metre, a little over one square kilometre.
+///
+/// The eight layers of such a map take 134 MB.
+pub const MAX_NODES: usize = 4_200_000;
 
 impl core::fmt::Display for SurveyError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -65,6 +77,11 @@ impl core::fmt::Display for SurveyError {
                 write!(f, "no walk holds magnetometer readings: survey with a device that has one")
             }
             Self::BadPlan => write!(f, "the plan has no extent in metres: give its width and height"),
+            Self::TooManyNodes { width_m, height_m } => write!(
+                f,
+                "the plan of {width_m} m by {height_m} m needs a map of more than {MAX_NODES} nodes: check its units, \
+                 divide it, or choose larger cells"
+            ),
         }
     }
 }
@@ -91,7 +108,7 @@ pub(super) struct Deviation {
 /// Builds a floor's map from its plan and the walks that surveyed it.
 ///
 /// # Errors
-/// [`SurveyError`] when the plan has no extent, no walk can be laid out, or none has a magnetometer.
+/// [`SurveyError`] when the plan has no extent or is too large, no walk can be laid out, or none has a magnetometer.
 pub fn build_floor(
     name: &str,
     ordinal: i32,
@@ -102,6 +119,12 @@ pub fn build_floor(
     let is_extent = |m: f64| m > 0.0 && m <= 10_000.0;
     if !is_extent(plan.width_m) || !is_extent(plan.height_m) {
         return Err(SurveyError::BadPlan);
+    }
+    let n_nodes = (plan.width_m / params.cell_m + 1.0) * (plan.height_m / params.cell_m + 1.0);
+    // Not a number where the cell's size is none.
+    if !(n_nodes > 0.0 && n_nodes <= MAX_NODES as f64) {
+        let (width_m, height_m) = (plan.width_m as u32, plan.height_m as u32);
+        return Err(SurveyError::TooManyNodes { width_m, height_m });
     }
     let surveyed = Surveyed::of(walks);
     if surveyed.tracks.is_empty() {
