@@ -122,13 +122,17 @@ function drawLegend(layer) {
   }
   context.globalAlpha = 1;
   const digits = layer.high - layer.low < 10 ? 1 : 0;
-  byId("legend-low").textContent = `≤ ${layer.low.toFixed(digits)}`;
-  byId("legend-high").textContent = `≥ ${layer.high.toFixed(digits)}`;
+  const value = (number) => number.toFixed(digits).replace("-", "−");
+  byId("legend-low").textContent = `≤ ${value(layer.low)}`;
+  byId("legend-high").textContent = `≥ ${value(layer.high)}`;
   byId("legend-unit").textContent = layer.unit;
 }
 
 const POINTS = { waypoint: "at waypoints", midpoint: "midway between waypoints", truth: "once a second" };
 
+const SHORT_POINTS = { waypoint: "waypoints", midpoint: "midway", truth: "each second" };
+
+/** The table, floor by floor; systems stand side by side where they are scored at the same kind of point. */
 function makeRows() {
   const several = new Set(report.rows.map((row) => row.floor)).size > 1;
   const kinds = new Set(report.rows.map((row) => row.points)).size > 1;
@@ -138,7 +142,9 @@ function makeRows() {
   ];
   const head = element("tr", {}, ...heads.map((text) => element("th", { scope: "col" }, text)));
   const number = (value, digits) => (value === null ? "–" : value.toFixed(digits));
-  const rows = report.rows.map((row) => {
+  const floors = [...new Set(report.rows.map((row) => row.floor))];
+  const order = (row) => 10 * floors.indexOf(row.floor) + Object.keys(SHORT_POINTS).indexOf(row.points);
+  const rows = [...report.rows].sort((a, b) => order(a) - order(b)).map((row) => {
     const system = SYSTEMS.find((candidate) => candidate.name === row.system);
     const name = element("th", { scope: "row" }, ...(system ? [swatch(system.slot)] : []), row.system);
     const cells = [
@@ -151,7 +157,7 @@ function makeRows() {
       {},
       ...(several ? [element("td", { class: "text" }, row.floor)] : []),
       name,
-      ...(kinds ? [element("td", { class: "text" }, POINTS[row.points])] : []),
+      ...(kinds ? [element("td", { class: "text" }, SHORT_POINTS[row.points])] : []),
       ...cells.map((text) => element("td", {}, text)),
     );
   });

@@ -104,7 +104,8 @@ function chooseWalk(index) {
   byId("time").max = String(walk.duration_s);
   for (const button of document.querySelectorAll(".walk")) {
     const isChosen = Number(button.dataset.walk) === state.walk;
-    button.toggleAttribute("aria-current", isChosen);
+    if (isChosen) button.setAttribute("aria-current", "true");
+    else button.removeAttribute("aria-current");
     if (isChosen) button.scrollIntoView({ block: "nearest", inline: "nearest" });
   }
   fitView(walkExtent(walk, floorNow()));
