@@ -13,5 +13,6 @@ mod truth;
 
 pub use model::{Band, Report, Span, Walk};
 pub use recorder::WalkRecorder;
+pub(crate) use recorder::mode_name;
 pub use summary::{ErrorCurve, WalkErrors};
 pub use truth::Truth;

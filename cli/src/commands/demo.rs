@@ -157,9 +157,14 @@ fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> (Vec<Row>, R
 fn carry_changes(walk: &fieldwalk_sim::scenario::Walk) -> Vec<(f64, String)> {
     let name = |mode| match mode {
         CarryMode::HeldLevel => "held level",
-        CarryMode::FrontPocket => "trouser pocket",
+        CarryMode::HeldUpright => "held upright",
+        CarryMode::HeldLandscape => "held across",
+        CarryMode::HeldAskew => "held askew",
         CarryMode::AtEar => "at the ear",
         CarryMode::SwingingHand => "swinging hand",
+        CarryMode::FrontPocket => "front pocket",
+        CarryMode::BackPocket => "back pocket",
+        CarryMode::Shaken => "shaken",
         CarryMode::OnTable => "on a table",
         _ => "other",
     };

@@ -239,7 +239,8 @@ fn turn_256(heading_rad: f64) -> u8 {
     (heading_rad / std::f64::consts::TAU * 256.0).round().rem_euclid(256.0) as u8
 }
 
-fn mode_name(mode: Mode) -> &'static str {
+/// What a fix rests on, for people.
+pub(crate) fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Started => "started",
         Mode::ParticleFilter => "walking",
