@@ -16,7 +16,7 @@ use crate::floors::Layout;
 
 pub use import::ImportArguments;
 pub use report::{EvaluationReport, ReportArguments};
-pub use simulate::{SimulateArguments, scenario};
+pub use simulate::SimulateArguments;
 pub use values::{ReplayStart, Seeds};
 
 const EXIT_CODES: &str = "\

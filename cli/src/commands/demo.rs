@@ -89,7 +89,7 @@ fn save_plan(plan: &FloorPlan, dir: &Path, file: &Path) -> Result<(), FormatErro
 fn save_first_walk(office: &Scenario, dir: &Path) -> Result<Option<PathBuf>, FormatError> {
     let Some(walk) = office.test_walks(1, WALK_M).pop() else { return Ok(None) };
     let path = dir.join(format!("{}.mcap", walk.name));
-    write_recording(&office.simulate(&walk), FLOOR, &path)?;
+    write_recording(&office.simulate(&walk), &path)?;
     Ok(Some(path))
 }
 

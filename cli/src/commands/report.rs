@@ -70,15 +70,16 @@ impl Replays<'_> {
         let map = self.floor.map();
         let read = ReadWalk::open(trace, map.plan.georeference)?;
         check_floor(map, read.floor_name.as_deref(), trace)?;
-        let (truth, points) = match (read_truth(trace)?, SurveyTrack::of(&read.walk)) {
-            (Some(line), _) => {
-                let truth = Truth::continuous(line);
-                let points = truth.every_second(FIRST_SCORED_S);
-                (truth, points)
-            }
-            (None, Some(track)) => (Truth::of_track(&track), truth_points(&track)),
-            (None, None) => (Truth::of_marks(read.walk.waypoints()), Vec::new()),
-        };
+        let (truth, points) =
+            match (read_truth(trace, self.floor.map().ordinal)?, SurveyTrack::of(&read.walk)) {
+                (Some(line), _) => {
+                    let truth = Truth::continuous(line);
+                    let points = truth.every_second(FIRST_SCORED_S);
+                    (truth, points)
+                }
+                (None, Some(track)) => (Truth::of_track(&track), truth_points(&track)),
+                (None, None) => (Truth::of_marks(read.walk.waypoints()), Vec::new()),
+            };
         let mut recorder = WalkRecorder::new(&self.floor, &self.recipes, self.arguments.seed);
         let began = self.feed(&mut recorder, trace, &points)?;
         let mut runs = recorder.finish();
