@@ -83,7 +83,10 @@ impl Reader {
 
 #[test]
 fn a_report_is_played_switched_and_read() {
-    let Some(browser) = Browser::start(&folder().join("profile")).unwrap() else { return };
+    let Some(browser) = Browser::start(&folder().join(format!("profile-{}", std::process::id()))).unwrap()
+    else {
+        return;
+    };
     let file = report();
     assert!(fs::metadata(&file).unwrap().len() < 5_000_000);
     let mut reader = Reader(browser);
