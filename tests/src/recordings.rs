@@ -41,6 +41,16 @@ pub fn tyrex_attitude() -> Option<PathBuf> {
     })
 }
 
+/// The folder of the collection `name`: of the archive `$FIELDWALK_DATA/NAME.tar.xz`, or else the folder
+/// `$FIELDWALK_DATA/NAME`. `None` when there is neither.
+///
+/// # Panics
+/// When there is neither and `FIELDWALK_REQUIRE_DATA=1`, and when the archive cannot be unpacked.
+pub fn collection(name: &str) -> Option<PathBuf> {
+    let sought = format!("neither {name}.tar.xz nor {name}");
+    find(name, &sought, |recordings, cache| find_archive(recordings, cache, name))
+}
+
 fn find(
     wanted: &str,
     sought: &str,
