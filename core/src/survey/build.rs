@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment, wrap_rad};
 use crate::map::{FloorMap, GridFrame, Layers};
-use crate::survey::kriging::{Kriging, KrigingParams, KrigingScratch, Reading};
+use crate::survey::kriging::{Kriging, KrigingParams, Reading};
 use crate::survey::radio::Heard;
 use crate::survey::{SurveyTrack, SurveyWalk};
 
@@ -144,7 +144,7 @@ pub fn build_floor(
         layers: Layers::default(),
     };
     grid_routes(&mut map, params);
-    grid_field(&mut map, surveyed.readings, params, |_| true);
+    grid_field(&mut map, surveyed.readings, params, 0..frame.len());
     let deviations = DeviationSums::of(&frame, &surveyed.deviations, params);
     map.layers.compass_deviation_rad = (0..frame.len()).map(|node| deviations.smoothed_rad(node)).collect();
     Ok(map)
@@ -186,18 +186,17 @@ impl Surveyed {
     }
 }
 
-/// Grids the field at the nodes that `is_wanted`: the floor's mean where no route is near; what was there elsewhere.
+/// Grids the field at `nodes`: the floor's mean where no route is near. Elsewhere it leaves what was there.
 pub(super) fn grid_field(
     map: &mut FloorMap,
     readings: Vec<Reading<4>>,
     params: &SurveyParams,
-    is_wanted: impl Fn(Point2) -> bool,
+    nodes: impl IntoIterator<Item = usize>,
 ) {
     let frame = map.frame;
     let kriging = Kriging::new(params.kriging, readings);
-    let mut scratch = KrigingScratch::default();
-    let nowhere = Point2::new(-1e6, -1e6);
-    let (mean_ut, sill_ut2) = kriging.predict(nowhere, &mut scratch);
+    let mut predictor = kriging.predictor();
+    let (mean_ut, sill_ut2) = predictor.predict(Point2::new(-1e6, -1e6));
     let layers = &mut map.layers;
     let means = [mean_ut[0], mean_ut[1], mean_ut[2], sill_ut2, mean_ut[3]];
     let targets = [
@@ -212,14 +211,10 @@ pub(super) fn grid_field(
             *layer = vec![mean as f32; frame.len()];
         }
     }
-    for node in 0..frame.len() {
+    for node in nodes {
         let place = frame.node(node % frame.nx, node / frame.nx);
-        if !is_wanted(place) {
-            continue;
-        }
         let is_near = f64::from(layers.route_distance_m[node]) <= params.field_reach_m;
-        let (values_ut, variance_ut2) =
-            if is_near { kriging.predict(place, &mut scratch) } else { (mean_ut, sill_ut2) };
+        let (values_ut, variance_ut2) = if is_near { predictor.predict(place) } else { (mean_ut, sill_ut2) };
         layers.field_x_ut[node] = values_ut[0] as f32;
         layers.field_y_ut[node] = values_ut[1] as f32;
         layers.field_z_ut[node] = values_ut[2] as f32;
