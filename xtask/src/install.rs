@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::aarch64::{self, TARGET};
+use crate::kotlin;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
@@ -49,6 +50,18 @@ const TOOLS: &[Tool] = &[
         purpose: "the report in a browser, stage test",
         is_present: || find_program("chromium").is_some(),
         packages: &["chromium"],
+    },
+    Tool {
+        name: "a JDK",
+        purpose: "stage kotlin",
+        is_present: kotlin::has_jdk,
+        packages: &["default-jdk-headless"],
+    },
+    Tool {
+        name: "Maven",
+        purpose: "stage kotlin",
+        is_present: || find_program("mvn").is_some(),
+        packages: &["maven"],
     },
     Tool {
         name: "python3 with venv",
