@@ -164,6 +164,7 @@ impl Tracker {
             self.orient(event);
         }
         self.state.n_steps = self.state.n_steps.wrapping_add(1);
+        self.weigh_alike();
         self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
         self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
         self.move_particles(event);
@@ -224,7 +225,8 @@ impl Tracker {
             MagneticRule::MassCentered(params) => {
                 let last = core::mem::replace(&mut self.state.last_end_strength_ut, event.end_strength_ut);
                 if let (Some(now), Some(last)) = (event.end_strength_ut, last) {
-                    mass_centered::update(params, &self.floor, now - last, &mut self.state.particles);
+                    let (particles, weights) = (&mut self.state.particles, &mut self.scratch.weights);
+                    mass_centered::update(params, &self.floor, now - last, particles, weights);
                 }
             }
             MagneticRule::FieldVector(params) => {
@@ -235,7 +237,13 @@ impl Tracker {
         }
     }
 
-    /// Turns log weights into weights, the largest of them 1; false when no particle is left alive.
+    /// Lets every particle weigh the same, whatever its log weight.
+    fn weigh_alike(&mut self) {
+        self.scratch.weights.clear();
+        self.scratch.weights.resize(self.state.particles.len(), 1.0);
+    }
+
+    /// Multiplies the weights by what the log weights stand for, the largest as 1; false when no particle is left alive.
     fn weigh(&mut self) -> bool {
         let particles = &mut self.state.particles;
         let best =
@@ -243,13 +251,15 @@ impl Tracker {
         if !best.is_finite() {
             return false;
         }
-        self.scratch.weights.clear();
-        for log_weight in &mut particles.log_weight {
+        let mut is_alive = false;
+        for (weight, log_weight) in self.scratch.weights.iter_mut().zip(&mut particles.log_weight) {
             *log_weight -= best;
-            let weight = libm::expf(*log_weight);
-            self.scratch.weights.push(if weight.is_nan() { 0.0 } else { weight });
+            // After resampling most are 0: no exponential for those.
+            let product = *weight * if *log_weight == 0.0 { 1.0 } else { libm::expf(*log_weight) };
+            *weight = if product.is_nan() { 0.0 } else { product };
+            is_alive |= *weight > 0.0;
         }
-        true
+        is_alive
     }
 
     fn estimate_cloud(&mut self) {
@@ -270,6 +280,65 @@ impl Tracker {
         if is_degenerate || self.recipe.resample_below >= 1.0 {
             let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
             self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+        } else if matches!(self.recipe.magnetic, MagneticRule::MassCentered(_)) {
+            // Its weights are not in the log weights yet, which alone are kept.
+            for (log_weight, weight) in self.state.particles.log_weight.iter_mut().zip(&self.scratch.weights)
+            {
+                *log_weight = libm::logf(*weight);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::floor_plan::FloorPlan;
+    use crate::map::{FloorMap, GridFrame, Layers};
+    use crate::step::StepCycle;
+    use crate::time::Timestamp;
+
+    /// 60 m × 20 m where the field grows by 2 µT a metre along x.
+    fn slope() -> FloorIndex {
+        let plan = FloorPlan { width_m: 60.0, height_m: 20.0, ..FloorPlan::default() };
+        let frame = GridFrame::covering(plan.width_m, plan.height_m, 1.0);
+        let strength_ut = (0..frame.len()).map(|node| 20.0 + 2.0 * (node % frame.nx) as f32).collect();
+        let layers = Layers { strength_ut, ..Layers::default() };
+        FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() })
+    }
+
+    fn step(k: u32) -> StepEvent {
+        let at = |k: u32| Timestamp::from_nanos(500_000_000 * i64::from(k));
+        StepEvent {
+            cycle: StepCycle {
+                start: at(k),
+                end: at(k + 1),
+                frequency_hz: 2.0,
+                amplitude_m_s2: 3.0,
+                is_first: false,
+            },
+            level_heading_rad: core::f32::consts::FRAC_PI_2,
+            forward_field: None,
+            end_strength_ut: Some(40.0 + 1.5 * k as f32),
+        }
+    }
+
+    #[test]
+    fn mass_centred_weights_last_until_particles_are_resampled() {
+        let recipe = Recipe { n_particles: 60, resample_below: 0.0, ..Recipe::mass_centered() };
+        let MagneticRule::MassCentered(params) = recipe.magnetic else { panic!("another weight") };
+        let mut tracker = Tracker::new(recipe, Arc::new(slope()), 1);
+        tracker.place(Point2::new(20.0, 10.0), 2.0);
+        (0..4).for_each(|k| tracker.step(&step(k), &[]));
+        let before = tracker.particles().log_weight.clone();
+        let best = before.iter().fold(f32::NEG_INFINITY, |best, &w| best.max(w));
+        assert!(before.iter().any(|&w| w < best - 0.1), "{before:?}");
+        tracker.step(&step(4), &[]);
+        let Particles { log_weight, delta_errors_ut, .. } = tracker.particles();
+        for ((after, before), errors_ut) in log_weight.iter().zip(before).zip(delta_errors_ut.chunks(3)) {
+            let mean_ut = errors_ut.iter().sum::<f32>() / 3.0;
+            let expected = before - best - libm::logf(mean_ut.max(params.threshold_ut));
+            assert!((after - expected).abs() < 1e-4, "{after} {expected}");
         }
     }
 }

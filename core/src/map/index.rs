@@ -26,6 +26,8 @@ pub struct FloorIndex {
     map: FloorMap,
     /// Field x, y, z and variance per node.
     field: Vec<[f32; 4]>,
+    /// Sine and cosine of the compass deviation per node; empty when the map has no such layer.
+    deviation_sin_cos: Vec<[f32; 2]>,
     grid: GridLookup,
     ground: Vec<u8>,
     ground_grid: GridLookup,
@@ -68,6 +70,7 @@ impl FloorIndex {
         let (wall_starts, walls) = bucketed_walls(&map.plan, &wall_frame);
         Self {
             field,
+            deviation_sin_cos: sines_and_cosines(&map.layers.compass_deviation_rad),
             grid: GridLookup::new(&map.frame),
             ground: rasterised(&map.plan, &ground_frame),
             ground_grid: GridLookup::new(&ground_frame),
@@ -109,8 +112,9 @@ impl FloorIndex {
     pub fn layer(&self, values: &[f32], x_m: f32, y_m: f32) -> Option<f32> {
         let (node, fx, fy) = self.grid.bilinear(x_m, y_m)?;
         let nx = self.grid.nx;
-        let low = values.get(node)? * (1.0 - fx) + values.get(node + 1)? * fx;
-        let high = values.get(node + nx)? * (1.0 - fx) + values.get(node + nx + 1)? * fx;
+        let [a, b] = values.get(node..)?.first_chunk::<2>()?;
+        let [c, d] = values.get(node + nx..)?.first_chunk::<2>()?;
+        let (low, high) = (a * (1.0 - fx) + b * fx, c * (1.0 - fx) + d * fx);
         let value = low * (1.0 - fy) + high * fy;
         (!value.is_nan()).then_some(value)
     }
@@ -120,6 +124,13 @@ impl FloorIndex {
     pub fn nearest(&self, values: &[f32], x_m: f32, y_m: f32) -> Option<f32> {
         let value = *values.get(self.grid.nearest(x_m, y_m)?)?;
         (!value.is_nan()).then_some(value)
+    }
+
+    /// Sine and cosine of the compass deviation at the nearest node; nothing where unknown.
+    #[inline]
+    pub fn deviation_sin_cos(&self, x_m: f32, y_m: f32) -> Option<[f32; 2]> {
+        let [sin, cos] = *self.deviation_sin_cos.get(self.grid.nearest(x_m, y_m)?)?;
+        (!sin.is_nan()).then_some([sin, cos])
     }
 
     /// Whether one may stand there by the plan: on the floor and outside every closed unit.
@@ -192,6 +203,19 @@ impl GridLookup {
         let (i, j) = (u as usize, v as usize);
         (i < self.nx && j < self.ny).then(|| j * self.nx + i)
     }
+}
+
+/// The sine and cosine of each angle; equal angles often follow each other, and are worked out once.
+fn sines_and_cosines(angles_rad: &[f32]) -> Vec<[f32; 2]> {
+    let (mut last_rad, mut last) = (0.0f32, [0.0, 1.0]);
+    let of_angle = |&angle_rad: &f32| {
+        if angle_rad.to_bits() != last_rad.to_bits() {
+            let (sin, cos) = libm::sincosf(angle_rad);
+            (last_rad, last) = (angle_rad, [sin, cos]);
+        }
+        last
+    };
+    angles_rad.iter().map(of_angle).collect()
 }
 
 /// The plan's ground per node, by scan lines.
@@ -315,6 +339,23 @@ mod tests {
         assert_eq!(floor.field(f32::NAN, 3.0), None);
         assert_eq!(floor.layer(&floor.map().layers.field_y_ut, 1.5, 1.0), Some(3.0));
         assert_eq!(floor.nearest(&floor.map().layers.strength_ut, 1.0, 1.0), None);
+        assert_eq!(floor.deviation_sin_cos(1.0, 1.0), None);
+    }
+
+    #[test]
+    fn a_deviation_turns_by_its_sine_and_cosine() {
+        let mut map = floor().map().clone();
+        let nx = map.frame.nx;
+        let angle_rad = |n: usize| if n < nx { 0.0 } else { 0.1 * (n / 3) as f32 };
+        map.layers.compass_deviation_rad = (0..map.frame.len()).map(angle_rad).collect();
+        map.layers.compass_deviation_rad[2 * nx] = f32::NAN;
+        let floor = FloorIndex::new(map);
+        let expected = |n: usize| Some([libm::sinf(angle_rad(n)), libm::cosf(angle_rad(n))]);
+        assert_eq!(floor.deviation_sin_cos(3.2, 0.4), expected(3));
+        assert_eq!(floor.deviation_sin_cos(4.9, 0.6), expected(nx + 5));
+        assert_eq!(floor.deviation_sin_cos(0.0, 2.0), None);
+        assert_eq!(floor.deviation_sin_cos(1.0, 2.0), expected(2 * nx + 1));
+        assert_eq!(floor.deviation_sin_cos(1.0, -3.0), None);
     }
 
     #[test]

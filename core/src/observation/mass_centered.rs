@@ -25,7 +25,7 @@ impl Default for MassCenteredParams {
     }
 }
 
-/// Adds to every particle `ln c_s`, `c_s = 1/max(MMSE, T)`, after a step with strength change `|Δs_obs|`.
+/// Multiplies every particle's weight by `c_s = 1/max(MMSE, T)`, after a step with strength change `|Δs_obs|`.
 ///
 /// `MMSE` is the mean over the window of `| |Δs_i| − |Δs_obs| |`; terms from before the start are left out.
 /// Particles where the map knows no strength count as having felt no change.
@@ -37,23 +37,27 @@ pub fn update(
     floor: &FloorIndex,
     observed_change_ut: f32,
     particles: &mut Particles,
+    weights: &mut [f32],
 ) {
-    let strengths = &floor.map().layers.strength_ut;
+    let strengths_ut = &floor.map().layers.strength_ut;
     let window = params.window.max(1);
-    for i in 0..particles.x_m.len() {
-        let strength = floor.layer(strengths, particles.x_m[i], particles.y_m[i]).unwrap_or(f32::NAN);
-        let change = (strength - particles.strength_ut[i]).abs();
-        particles.strength_ut[i] = strength;
-        let error = (if change.is_nan() { 0.0 } else { change } - observed_change_ut.abs()).abs();
-        let errors = &mut particles.delta_errors_ut[i * window..(i + 1) * window];
-        let (mut sum, mut n, mut newer) = (0.0, 0.0, error);
-        for slot in errors {
-            let is_known = !newer.is_nan();
-            sum += if is_known { newer } else { 0.0 };
+    let places = particles.x_m.iter().zip(&particles.y_m);
+    let memories = particles.strength_ut.iter_mut().zip(particles.delta_errors_ut.chunks_exact_mut(window));
+    for (((&x_m, &y_m), (last_ut, errors_ut)), weight) in places.zip(memories).zip(weights) {
+        let strength_ut = floor.layer(strengths_ut, x_m, y_m).unwrap_or(f32::NAN);
+        let change_ut = (strength_ut - *last_ut).abs();
+        *last_ut = strength_ut;
+        let felt_ut = if change_ut.is_nan() { 0.0 } else { change_ut };
+        let (mut sum_ut, mut n) = (0.0, 0.0);
+        let mut newer_ut = (felt_ut - observed_change_ut.abs()).abs();
+        for slot_ut in errors_ut {
+            let is_known = !newer_ut.is_nan();
+            sum_ut += if is_known { newer_ut } else { 0.0 };
             n += if is_known { 1.0 } else { 0.0 };
-            newer = core::mem::replace(slot, newer);
+            newer_ut = core::mem::replace(slot_ut, newer_ut);
         }
-        particles.log_weight[i] -= libm::logf((sum / n).max(params.threshold_ut));
+        // c_s in one division; where no change is known, none counts as an error.
+        *weight *= if n > 0.0 { n / sum_ut.max(n * params.threshold_ut) } else { 1.0 / params.threshold_ut };
     }
 }
 
@@ -80,14 +84,17 @@ mod tests {
             log_weight: vec![0.0; 2],
             ..Particles::default()
         };
-        // Particle 0 felt |44 − 42| = 2 against 3: error 1. Particle 1 felt 4: error 1 too. ln(1/1) = 0.
-        update(&MassCenteredParams::default(), &floor, 3.0, &mut particles);
-        assert_eq!(particles.log_weight, [0.0, 0.0]);
+        // Particle 0 felt |44 − 42| = 2 against 3: error 1. Particle 1 felt 4: error 1 too.
+        let mut weights = [1.0, 0.5];
+        update(&MassCenteredParams::default(), &floor, 3.0, &mut particles, &mut weights);
+        assert_eq!(weights, [1.0, 0.5]);
         particles.x_m = vec![4.0, 3.0];
         // Now 4 against 0 (error 4, mean 2.5) and 0 against 0 (error 0, mean 0.5).
-        update(&MassCenteredParams::default(), &floor, 0.0, &mut particles);
-        assert!((particles.log_weight[0] + libm::logf(2.5)).abs() < 1e-6);
-        assert!((particles.log_weight[1] - libm::logf(2.0)).abs() < 1e-6);
+        update(&MassCenteredParams::default(), &floor, 0.0, &mut particles, &mut weights);
+        assert!(
+            (weights[0] - 1.0 / 2.5).abs() < 1e-6 && (weights[1] - 0.5 / 0.5).abs() < 1e-6,
+            "{weights:?}"
+        );
         assert_eq!(particles.delta_errors_ut[..2], [4.0, 1.0]);
     }
 }

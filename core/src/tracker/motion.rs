@@ -11,7 +11,7 @@ impl Tracker {
         let modelled_m = self.recipe.length.advance_m(&event.cycle);
         let motion = self.recipe.motion;
         let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
-        let deviations = &self.floor.map().layers.compass_deviation_rad;
+        let (azimuth_sin, azimuth_cos) = libm::sincosf(azimuth_rad);
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
@@ -32,17 +32,22 @@ impl Tracker {
                 }
             }
             .clamp(0.0, 1.5);
-            let direction_rad = match motion.heading {
+            let (sin, cos) = match motion.heading {
                 HeadingRule::CompensatedCompass => {
-                    let deviation = self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]);
-                    azimuth_rad + deviation.unwrap_or(0.0)
+                    let [turn_sin, turn_cos] = self
+                        .floor
+                        .deviation_sin_cos(particles.x_m[i], particles.y_m[i])
+                        .unwrap_or([0.0, 1.0]);
+                    (
+                        azimuth_sin * turn_cos + azimuth_cos * turn_sin,
+                        azimuth_cos * turn_cos - azimuth_sin * turn_sin,
+                    )
                 }
                 HeadingRule::Gyroscope { walk_sd_rad, .. } => {
                     particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
-                    event.level_heading_rad + particles.heading_offset_rad[i]
+                    libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
                 }
             };
-            let (sin, cos) = libm::sincosf(direction_rad);
             particles.heading_sin[i] = sin;
             particles.heading_cos[i] = cos;
             let (noise_sin, noise_cos) = small_sin_cos(motion.direction_sd_rad * noise[0]);

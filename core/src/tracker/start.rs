@@ -77,6 +77,7 @@ impl Tracker {
         self.state.particles = particles;
         self.state.is_placed = true;
         self.state.is_oriented = false;
+        self.weigh_alike();
         self.weigh();
         self.estimate_cloud();
     }
@@ -159,6 +160,5 @@ impl Tracker {
         self.state.particles.heading_sin = sin;
         self.state.particles.heading_cos = cos;
         self.state.is_oriented = true;
-        self.weigh();
     }
 }
