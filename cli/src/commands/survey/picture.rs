@@ -1,5 +1,7 @@
 //! A floor's survey as a picture: what was walked and how well the field is known; what errors to expect, where.
 
+mod legend;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,9 +12,10 @@ use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::survey::Coverage;
 use fieldwalk_formats::FormatError;
 
+use crate::commands::survey::picture::legend::{Legend, right_of};
 use crate::plot::floor::{self, FloorFrame};
 use crate::plot::style;
-use crate::plot::svg::{Anchor, Px, Svg, points, text_width};
+use crate::plot::svg::{Anchor, Px, Svg, points};
 
 /// The picture's margin, and the room above a panel's floor and below it.
 const MARGIN: f64 = 16.0;
@@ -22,8 +25,6 @@ const BELOW: f64 = 79.0;
 /// about as wide in both, so that its text can be read on a phone.
 const STACKED: (f64, f64) = (620.0, 620.0);
 const BESIDE: (f64, f64) = (320.0, 700.0);
-/// Room at the right end of a panel's legend, for the arrow to the north.
-const NORTH: f64 = 30.0;
 const HEADER: f64 = 70.0;
 
 /// Bounds of the field's standard deviation between classes, in µT: the prior is 5.7.
@@ -243,46 +244,6 @@ impl Picture<'_> {
     }
 }
 
-/// Entries in rows under a floor, beside the scale bar's row.
-struct Legend {
-    left: f64,
-    right: f64,
-    x: f64,
-    y: f64,
-}
-
-impl Legend {
-    fn below(frame: &FloorFrame) -> Self {
-        let (left, top) = frame.at(Point2::default());
-        Self { left, right: right_of(frame) - NORTH, x: left, y: top + 38.0 }
-    }
-
-    fn entry(&mut self, svg: &mut Svg, text: &str, mark: impl FnOnce(&mut Svg, f64, f64)) {
-        let width = 44.0 + text_width(text, 12.0);
-        if self.x > self.left && self.x + width - 14.0 > self.right {
-            (self.x, self.y) = (self.left, self.y + 17.0);
-        }
-        mark(svg, self.x, self.y);
-        svg.text("fw-label", (self.x + 28.0, self.y), Anchor::Start, text);
-        self.x += width;
-    }
-
-    fn swatch(&mut self, svg: &mut Svg, fill: &str, text: &str) {
-        self.entry(svg, text, |svg, x, y| {
-            svg.rectangle("fw-swatch", (x, y - 11.0), (22.0, 12.0), fill);
-        });
-    }
-
-    fn note(&mut self, svg: &mut Svg, text: &str) {
-        svg.text("fw-small", (self.left, self.y + 17.0), Anchor::Start, text);
-    }
-}
-
-/// Where a panel ends, which is wider than a narrow floor.
-fn right_of(frame: &FloorFrame) -> f64 {
-    frame.at(Point2::default()).0 + frame.size().0.max(BESIDE.0)
-}
-
 fn draw_score(svg: &mut Svg, class: usize, x: f64, y: f64) {
     let (radius, fill) = (Px(ERROR_RADII[class]), ERROR_COLOURS[class]);
     svg.element(
@@ -361,6 +322,7 @@ fn leads_back(other: &Segment, along: Point2, place: Point2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::svg::text_width;
     use fieldwalk::floor_plan::{FloorPlan, Georeference, Polygon};
     use fieldwalk::map::{FloorMap, GridFrame, Layers};
     use roxmltree::{Document, Node};
