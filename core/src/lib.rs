@@ -36,6 +36,7 @@
 pub mod floor_plan;
 pub mod geometry;
 pub mod gravity;
+pub mod heading;
 pub mod magnetic;
 pub mod map;
 pub mod metrics;
@@ -45,6 +46,7 @@ pub mod pedestrian;
 pub mod positioner;
 pub mod random;
 mod reorder;
+pub mod rotation;
 pub mod sensor;
 pub mod step;
 pub mod survey;
