@@ -1,5 +1,7 @@
 //! What can be asked for on the command line.
 
+mod import;
+mod simulate;
 mod values;
 
 use std::path::PathBuf;
@@ -9,7 +11,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use fieldwalk::system::Recipe;
 
 use crate::evaluation::{N_FOLDS, Start};
+use crate::floors::Layout;
 
+pub use import::ImportArguments;
+pub use simulate::{SimulateArguments, scenario};
 pub use values::{ReplayStart, Seeds};
 
 const EXIT_CODES: &str = "\
@@ -33,6 +38,8 @@ pub enum Command {
     Survey(SurveyArguments),
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
+    Import(ImportArguments),
+    Simulate(SimulateArguments),
 }
 
 /// Survey a simulated office and position walks in it: needs no recording.
@@ -60,7 +67,8 @@ pub struct DemoArguments {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000))]
     pub walks: u32,
 
-    /// Where office.map and office.geojson, its plan, go: a folder, made if need be; those that are there are replaced.
+    /// Where office.map, office.geojson, its plan, and test-01.mcap, one of the walks, go: a folder, made if need be; those
+    /// that are there are replaced.
     #[arg(long, value_name = "DIR", default_value = "fieldwalk-demo")]
     pub out: PathBuf,
 
@@ -69,20 +77,17 @@ pub struct DemoArguments {
     pub json: bool,
 }
 
-/// The layouts of folders that are read.
+/// What is scored, and how its folders are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Layout {
-    /// indoor-location-competition-20: floor_info.json, geojson_map.json, and traces/ or path_data_files/.
+pub enum Dataset {
+    /// indoor-location-competition-20: whole systems, in metres.
     Ilc,
-}
-
-impl Layout {
-    /// Its name, in arguments and in rows.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ilc => "ilc",
-        }
-    }
+    /// Recordings of one's own (see `fieldwalk survey --help`): whole systems, in metres.
+    Recordings,
+    /// The Oxford step-counting collection: step detectors.
+    OxfordSteps,
+    /// The attitude benchmark of Tyrex: attitude and heading.
+    Tyrex,
 }
 
 /// Build a building's map from surveyed floors.
@@ -97,15 +102,24 @@ Examples:
   fieldwalk survey site1/F1 --fold 0 --out honest.map
       # a map that has not seen the walks of fold 0: replay those on it
 
+Layouts:
+  recordings   plan.geojson, a GeoJSON plan; and logs with waypoints in survey/
+               (or, where there is none, beside the plan): *.mcap, *.txt, *.json,
+               folders of Sensor Logger. Logs in test/ are left for `evaluate` and
+               `replay`. A floor is called as its folder; if that is no floor's name,
+               F1.
+  ilc          indoor-location-competition-20: floor_info.json, geojson_map.json,
+               and traces/ or path_data_files/.
+
 See `fieldwalk --help` for the exit codes.")]
 pub struct SurveyArguments {
     /// Floors: their folders, or folders that hold such folders.
     #[arg(value_name = "DIR", required = true)]
     pub dirs: Vec<PathBuf>,
 
-    /// How the folders are laid out.
-    #[arg(long, alias = "dataset", value_name = "LAYOUT", default_value = "ilc")]
-    pub dataset_layout: Layout,
+    /// How the folders are laid out: `recordings` or `ilc` [default: by what they hold].
+    #[arg(long, aliases = ["dataset", "dataset-layout"], value_name = "LAYOUT")]
+    pub layout: Option<Layout>,
 
     /// The map: a folder, made if need be; a map that is there is replaced.
     #[arg(long, value_name = "MAPDIR")]
@@ -148,8 +162,9 @@ pub struct ReplayArguments {
     #[arg(value_name = "MAPDIR")]
     pub map: PathBuf,
 
-    /// Recordings: text traces of indoor-location-competition-20.
-    #[arg(value_name = "TRACE", required = true)]
+    /// Recordings of any format: MCAP, text traces of indoor-location-competition-20, logs of GetSensorData, exports of
+    /// Sensor Logger.
+    #[arg(value_name = "LOG", required = true)]
     pub traces: Vec<PathBuf>,
 
     /// The floor by name; may be left out when the building has one.
@@ -185,7 +200,8 @@ pub struct ReplayArguments {
 ///
 /// Per floor, one map is built from the survey walks, and every system is scored on the test walks, which the map has
 /// not seen. A walk is a test walk of fold K (0 to 3) when the two low bits of the last byte of SHA-1(file name) equal
-/// K, so that each walk is a test walk of exactly one of four folds.
+/// K, so that each walk is a test walk of exactly one of four folds. Where a floor has a folder test/, its walks are the
+/// test walks instead, and all others survey.
 ///
 /// Scored are the fixes at every waypoint but the first ("waypoint"), and midway in time between two waypoints
 /// ("midpoint"), the truth there being interpolated over the steps made.
@@ -197,8 +213,9 @@ Examples:
   fieldwalk evaluate --print-recipe fused > mine.json
       # change its name and some parameters, then:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
+  fieldwalk evaluate --dataset oxford-steps oxford-steps --json
 
-JSON: one object a floor (\"all\": the floors pooled), system and kind of point.
+JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind of point.
   dataset, floor, system, start
   points              \"waypoint\" or \"midpoint\"
   n_walks             test walks, each counted once
@@ -209,17 +226,26 @@ JSON: one object a floor (\"all\": the floors pooled), system and kind of point.
   radius_68_median_m                          median of the stated 68 % radii
   step_us_median      time of a step on one thread, in microseconds
   seeds               number of seeds
+
+JSON for the others: one object a subset (\"all\": pooled), system and metric.
+  dataset, subset, system, metric
+  value               the metric's value, in the unit that its name ends in
+  n                   number of runs, strides or moments behind it
+  oxford-steps        count_error_abs_percent, count_error_signed_percent: mean
+                      over runs of the steps counted against the contacts of
+                      the foot switches
 A number that does not exist is null.
 
 See `fieldwalk --help` for the exit codes.")]
 pub struct EvaluateArguments {
-    /// Floors: their folders, or folders that hold such folders.
+    /// Floors: their folders, or folders that hold such folders; for the other data sets the unpacked archives.
     #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
     pub dirs: Vec<PathBuf>,
 
-    /// How the folders are laid out.
-    #[arg(long, alias = "dataset-layout", value_name = "LAYOUT", default_value = "ilc")]
-    pub dataset: Layout,
+    /// The recordings, which say what is scored; the other arguments but --json are for ilc and recordings [default:
+    /// ilc or recordings, by what the folders hold].
+    #[arg(long, aliases = ["layout", "dataset-layout"], value_name = "NAME")]
+    pub dataset: Option<Dataset>,
 
     /// The systems, separated by commas [default: all].
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = PossibleValuesParser::new(Recipe::NAMES))]

@@ -211,6 +211,17 @@ impl Positioner {
         }))
     }
 
+    /// Each particle's place and weight, relative to the heaviest's: for displays that show what the filter weighs.
+    ///
+    /// They stand where the last step ended; none before a start. Their number and order mean nothing.
+    pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> {
+        let particles = self.tracker.particles();
+        let places = particles.x_m.iter().zip(&particles.y_m);
+        places.zip(&particles.log_weight).map(|((&x_m, &y_m), &log_weight)| {
+            (Point2::new(x_m.into(), y_m.into()), libm::expf(log_weight))
+        })
+    }
+
     /// What was refused so far, by cause.
     pub fn rejections(&self) -> Rejections {
         self.reorder.rejections()
@@ -286,5 +297,29 @@ impl Positioner {
             }
             None => self.progress.heard.push(Heard { transmitter, sum_dbm: rssi_dbm, n: 1 }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::floor_plan::FloorPlan;
+    use crate::map::FloorMap;
+
+    #[test]
+    fn particles_are_shown_where_the_hint_put_them() {
+        let plan = FloorPlan { width_m: 40.0, height_m: 25.0, ..FloorPlan::default() };
+        let floor = Arc::new(FloorIndex::new(FloorMap { plan, ..FloorMap::default() }));
+        let mut positioner = Positioner::new(floor, Recipe::fused(), 1);
+        assert_eq!(positioner.particles().len(), 0);
+        let point = Point2::new(12.0, 7.5);
+        let hint = PositionHint { point, radius_m: 1.5, floor: 0, time: Timestamp::from_millis(0) };
+        positioner.hint(hint).unwrap();
+        assert_eq!(positioner.particles().len(), Recipe::fused().n_particles);
+        let off = |(place, _): (Point2, f32)| place - point;
+        assert!(positioner.particles().map(off).all(|d| d.x_m.abs() <= 1.5001 && d.y_m.abs() <= 1.5001));
+        assert!(positioner.particles().map(off).any(|d| d.norm_m() > 1.0), "spread, not heaped");
+        let heaviest = positioner.particles().map(|(_, weight)| weight).fold(0.0, f32::max);
+        assert_eq!(heaviest, 1.0);
     }
 }

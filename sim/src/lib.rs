@@ -16,7 +16,7 @@
 //! ```
 //!
 //! # What is not simulated
-//! Stairs and lifts that are ridden, air pressure, the carried card, crowds.
+//! Lifts that are ridden, air pressure, the carried card, crowds.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

@@ -5,7 +5,7 @@ mod gait;
 mod pace;
 mod spline;
 
-pub use course::Course;
+pub use course::{Course, Flight};
 pub use gait::{Body, Gait};
 pub use pace::{Pause, Step};
 

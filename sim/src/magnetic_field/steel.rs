@@ -61,6 +61,28 @@ impl Default for SteelParams {
     }
 }
 
+impl SteelParams {
+    /// A frame of reinforced concrete: the steel of a column is a few thin bars that close on themselves through their
+    /// ties, beams are slabs, shop fronts are of aluminium and glass.
+    ///
+    /// # Source
+    /// Ours: about 1.5 % of a concrete section of 0.5 m² is steel, 0.0075 m², against the 0.02 m² of a steel column.
+    pub const fn concrete_frame() -> Self {
+        Self {
+            column_m2: 0.04,
+            column_ut_m2: 8.0,
+            beam_m2: 0.04,
+            beam_ut_m2: 8.0,
+            bars_per_m2: 0.25,
+            reinforcement_ut_m2: 5.0,
+            door_ut_m2: 1.0,
+            cabinets_per_m: 0.12,
+            cabinet_ut_m2: 8.0,
+            lift_ut_m2: 40.0,
+        }
+    }
+}
+
 /// Heights over the floor, in metres.
 const SLAB_M: f64 = -0.12;
 const BEAM_M: f64 = -0.35;

@@ -94,7 +94,7 @@ impl Carried {
         let jolt = [0.0, 0.0, Grip::jolt_share(mode) * body.jolt_m];
         let floor_from_body: Quaternion = about([0.0, 0.0, 1.0], -body.heading_rad);
         let offset: Vector3 = add(add(place_m, body.offset_m), jolt);
-        let trunk = [body.position.x_m, body.position.y_m, 0.0];
+        let trunk = [body.position.x_m, body.position.y_m, body.height_m];
         Pose {
             place_m: add(trunk, rotate(floor_from_body, offset)),
             floor_from_device: compose(floor_from_body, body_from_device),

@@ -16,11 +16,25 @@ const SECOND_HARMONIC: f64 = 0.06;
 /// Variation of speed within a step, over the mean speed.
 const SURGE: f64 = 0.08;
 
+/// On stairs the body rises and falls by fits: its vertical speed varies by this share of its mean, and is greatest at
+/// this share of the step, upwards and downwards.
+///
+/// # Source
+/// Ours, after the forces in Riener, Rabuffetti and Frigo 2002: the leg that has just been set up lifts the body; on the
+/// way down the lower foot catches it.
+const UNEVEN_CLIMB: f64 = 0.8;
+const LIFTED_AT: f64 = 0.35;
+const LET_DOWN_AT: f64 = 0.8;
+/// How much harder a foot meets a tread 0.17 m lower than the level floor.
+const LANDING_DOWN: f64 = 1.0 / 0.17;
+
 /// The body at one instant. Offsets are of the trunk's centre, in the frame of the body (right, ahead, up).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body {
     /// Where the walker is: on the path, without the sway of the gait.
     pub position: Point2,
+    /// Height of the floor under the walker, or of the slope of the stairs, in metres over the ground floor.
+    pub height_m: f64,
     /// Where the walker faces, clockwise from +y, in radians, in [-π, π).
     pub heading_rad: f64,
     /// Grows by 1 through each step, from a heel strike to the next; the right foot swings from even to odd numbers.
@@ -55,6 +69,9 @@ struct Bout {
     at_m: Spline,
     phase: Spline,
     length_m: Spline,
+    /// Height of the floor at the feet, and the rise of each step.
+    height_m: Spline,
+    climb_m: Spline,
     contacts_s: Vec<f64>,
     is_first_right: bool,
 }
@@ -67,8 +84,8 @@ impl Gait {
         let mut noise = Noise::new(seed, "gait", 0);
         Self {
             walker: *walker,
+            bouts: planned.iter().filter_map(|steps| Bout::of(steps, &course)).collect(),
             course,
-            bouts: planned.iter().filter_map(|steps| Bout::of(steps)).collect(),
             end_s: steps.last().map_or(0.0, |step| step.end_s) + standing_s,
             steps,
             stray: SmoothNoise::new(&mut noise, walker.stray_m, [0.02, 0.12]),
@@ -119,7 +136,8 @@ impl Gait {
         let (sin, cos) = libm::sincos(heading_rad);
         let right = Point2::new(cos, -sin);
         let position = self.course.position(at_m) + right * self.stray.at(at_m);
-        let still = Body { position, heading_rad, ..Body::default() };
+        let height_m = bout.map_or(self.course.height_m(0.0), |bout| bout.height_m.at(time_s));
+        let still = Body { position, height_m, heading_rad, ..Body::default() };
         bout.map_or(still, |bout| self.in_bout(bout, time_s, still))
     }
 
@@ -138,7 +156,11 @@ impl Gait {
         // Lowest just after the heel strike, when both feet are down, highest over the standing foot.
         let second = SECOND_HARMONIC * libm::cos(2.0 * step_rad + 0.8);
         let limp = 2.0 * self.walker.asymmetry * libm::cos(0.5 * step_rad + 0.4);
-        let up_m = half_rise_m * (second + limp - libm::cos(step_rad - 0.3));
+        let climb_m = bout.climb_m.at(time_s);
+        // Up, the body is lifted early in the step; down, it is let down late.
+        let lag_rad = TAU * if climb_m > 0.0 { LIFTED_AT } else { LET_DOWN_AT };
+        let climbing_m = UNEVEN_CLIMB * climb_m / TAU * libm::sin(step_rad - lag_rad);
+        let up_m = half_rise_m * (second + limp - libm::cos(step_rad - 0.3)) + climbing_m;
         // Fastest when lowest.
         let ahead_m = SURGE * length_m / TAU * libm::sin(step_rad - 0.3);
         // Over the standing foot: to the left while the right foot swings.
@@ -157,24 +179,30 @@ impl Gait {
         let window = libm::sin(PI * after_s / JOLT_S);
         let radians_s = TAU * JOLT_HZ;
         let peak_m = self.walker.heel_strike_m_s2 / (radians_s * radians_s);
-        let strength = bout.length_m.at(time_s) / self.walker.step_length_m(1.2);
+        let drop_m = (-bout.climb_m.at(time_s)).max(0.0);
+        let strength = bout.length_m.at(time_s) / self.walker.step_length_m(1.2) + LANDING_DOWN * drop_m;
         peak_m * strength * window * window * window * window * libm::cos(radians_s * (after_s - 0.04) + PI)
     }
 }
 
 impl Bout {
-    fn of(steps: &[Step]) -> Option<Self> {
+    fn of(steps: &[Step], course: &Course) -> Option<Self> {
         let (first, last) = (steps.first()?, steps.last()?);
         let times_s: Vec<f64> = [first.start_s].into_iter().chain(steps.iter().map(|s| s.end_s)).collect();
         let places_m = [first.from_m].into_iter().chain(steps.iter().map(|s| s.from_m + s.length_m));
+        let places_m: Vec<f64> = places_m.collect();
+        let heights_m: Vec<f64> = places_m.iter().map(|&at_m| course.height_m(at_m)).collect();
+        let climbs_m = heights_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let phases = (0..times_s.len()).map(|k| k as f64);
-        let middles_s = steps.iter().map(|s| 0.5 * (s.start_s + s.end_s)).collect();
+        let middles_s: Vec<f64> = steps.iter().map(|s| 0.5 * (s.start_s + s.end_s)).collect();
         Some(Self {
             start_s: first.start_s,
             end_s: last.end_s,
             full_s: [first.end_s, last.start_s],
-            at_m: Spline::new(times_s.clone(), places_m.collect(), Ends::Level),
+            at_m: Spline::new(times_s.clone(), places_m, Ends::Level),
             phase: Spline::new(times_s.clone(), phases.collect(), Ends::Straight),
+            height_m: Spline::new(times_s.clone(), heights_m, Ends::Level),
+            climb_m: Spline::new(middles_s.clone(), climbs_m, Ends::Straight),
             length_m: Spline::new(middles_s, steps.iter().map(|s| s.length_m).collect(), Ends::Straight),
             contacts_s: times_s[1..].to_vec(),
             is_first_right: first.is_right,

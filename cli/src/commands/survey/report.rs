@@ -12,7 +12,7 @@ use fieldwalk_formats::FormatError;
 use fieldwalk_formats::map::MANIFEST_FILE;
 use serde::{Deserialize, Serialize};
 
-use crate::commands::survey::walks::Walks;
+use crate::commands::survey::walks::{RecordingLosses, Walks};
 use crate::stop::Stop;
 use crate::table::{number, table};
 
@@ -30,6 +30,9 @@ pub struct FloorReport {
     #[serde(skip)]
     first_line_rejected: Option<String>,
     n_stale_wifi_rows: u64,
+    n_recordings_cut: u64,
+    n_chunks_damaged: u64,
+    n_messages_malformed: u64,
     samples_rejected: Rejections,
     n_waypoints_rejected: u64,
     n_transmitters: usize,
@@ -90,6 +93,7 @@ impl FloorReport {
         expected: Option<ErrorSummary>,
     ) -> Self {
         let map = floor.map();
+        let RecordingLosses { n_cut, n_corrupt_chunks, n_malformed } = walks.recordings;
         let file = files.iter().find(|file| file.name == map.name);
         let refused = walks.refused.iter().map(|refused| RefusedReport {
             file: refused.path.display().to_string(),
@@ -106,6 +110,9 @@ impl FloorReport {
             n_lines_rejected: walks.n_lines_rejected,
             first_line_rejected: walks.first_line_rejected.clone(),
             n_stale_wifi_rows: walks.n_stale_wifi,
+            n_recordings_cut: n_cut,
+            n_chunks_damaged: n_corrupt_chunks,
+            n_messages_malformed: n_malformed,
             samples_rejected: walks.rejections(),
             n_waypoints_rejected: walks.used.iter().map(|walk| walk.n_refused_waypoints()).sum(),
             n_transmitters: coverage.n_transmitters,
@@ -146,6 +153,9 @@ impl FloorReport {
         let first = self.first_line_rejected.as_deref().unwrap_or_default();
         let counts = [
             (self.n_lines_rejected, format!("lines not understood, the first: {first}")),
+            (self.n_recordings_cut, "recordings cut short".into()),
+            (self.n_chunks_damaged, "damaged chunks of recordings".into()),
+            (self.n_messages_malformed, "malformed messages in recordings".into()),
             (implausible, "samples with an impossible value".into()),
             (late, "samples later than the reorder window".into()),
             (duplicate, "samples given twice".into()),
