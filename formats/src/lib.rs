@@ -11,6 +11,7 @@ pub mod get_sensor_data;
 pub mod ilc;
 pub mod map;
 pub mod recording;
+pub mod tyrex;
 
 mod text_lines;
 mod transmitter_id;
