@@ -85,6 +85,17 @@ impl Layout {
     }
 }
 
+/// What is scored, and on which recordings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Dataset {
+    /// indoor-location-competition-20: whole systems, in metres.
+    Ilc,
+    /// The Oxford step-counting collection: step detectors.
+    OxfordSteps,
+    /// The attitude benchmark of Tyrex: attitude and heading.
+    Tyrex,
+}
+
 /// Build a building's map from surveyed floors.
 ///
 /// Each floor's plan and walks become one file of the map; the table tells what the survey covers and how accurate
@@ -197,8 +208,9 @@ Examples:
   fieldwalk evaluate --print-recipe fused > mine.json
       # change its name and some parameters, then:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
+  fieldwalk evaluate --dataset oxford-steps oxford-steps --json
 
-JSON: one object a floor (\"all\": the floors pooled), system and kind of point.
+JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind of point.
   dataset, floor, system, start
   points              \"waypoint\" or \"midpoint\"
   n_walks             test walks, each counted once
@@ -209,17 +221,25 @@ JSON: one object a floor (\"all\": the floors pooled), system and kind of point.
   radius_68_median_m                          median of the stated 68 % radii
   step_us_median      time of a step on one thread, in microseconds
   seeds               number of seeds
+
+JSON for the others: one object a subset (\"all\": pooled), system and metric.
+  dataset, subset, system, metric
+  value               the metric's value, in the unit that its name ends in
+  n                   number of runs, strides or moments behind it
+  oxford-steps        count_error_abs_percent, count_error_signed_percent: mean
+                      over runs of the steps counted against the contacts of
+                      the foot switches
 A number that does not exist is null.
 
 See `fieldwalk --help` for the exit codes.")]
 pub struct EvaluateArguments {
-    /// Floors: their folders, or folders that hold such folders.
+    /// Floors: their folders, or folders that hold such folders; for the other data sets the unpacked archives.
     #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
     pub dirs: Vec<PathBuf>,
 
-    /// How the folders are laid out.
-    #[arg(long, alias = "dataset-layout", value_name = "LAYOUT", default_value = "ilc")]
-    pub dataset: Layout,
+    /// The recordings, which say what is scored; the other arguments but --json are for ilc.
+    #[arg(long, alias = "dataset-layout", value_name = "NAME", default_value = "ilc")]
+    pub dataset: Dataset,
 
     /// The systems, separated by commas [default: all].
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = PossibleValuesParser::new(Recipe::NAMES))]

@@ -15,6 +15,7 @@ mod in_order;
 mod progress;
 mod stop;
 mod table;
+pub mod walker_evaluation;
 pub mod walks;
 
 use std::io::{self, BufWriter, Write};

@@ -10,6 +10,7 @@ pub mod geojson_plan;
 pub mod get_sensor_data;
 pub mod ilc;
 pub mod map;
+pub mod oxford_steps;
 pub mod recording;
 pub mod tyrex;
 

@@ -1,6 +1,7 @@
 //! `fieldwalk evaluate`: systems compared on recordings with known places.
 
 mod recipe_file;
+mod walker;
 
 use std::io::Write;
 
@@ -10,18 +11,27 @@ use fieldwalk_formats::FormatError;
 use fieldwalk_formats::ilc::Floor;
 use rayon::prelude::*;
 
-use crate::arguments::EvaluateArguments;
+use crate::arguments::{Dataset, EvaluateArguments, Layout};
 use crate::error_table::error_table;
 use crate::evaluation::{Evaluation, FloorScores, PointKind, Row};
 use crate::floors::{FoundFloor, find_floors};
 use crate::progress;
 use crate::stop::{Stop, note};
+use crate::walker_evaluation;
 
 /// The name under which all floors are pooled.
 const ALL: &str = "all";
 
-/// Scores the systems and prints the rows.
+/// Scores what the data set is for and prints the rows.
 pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
+    match arguments.dataset {
+        Dataset::Ilc => score_systems(arguments, out),
+        Dataset::OxfordSteps => walker::run(walker_evaluation::oxford_steps::score, arguments, out),
+        Dataset::Tyrex => walker::run(walker_evaluation::tyrex::score, arguments, out),
+    }
+}
+
+fn score_systems(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
     if let Some(name) = &arguments.print_recipe {
         return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&named(name)?)?)?);
     }
@@ -34,7 +44,7 @@ pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), St
     };
     let found = find_floors(&arguments.dirs)?;
     let (scores, n_failed) = score_floors(&evaluation, &found);
-    let rows = all_rows(&evaluation, arguments.dataset.name(), &scores);
+    let rows = all_rows(&evaluation, Layout::Ilc.name(), &scores);
     if arguments.json {
         for row in &rows {
             writeln!(out, "{}", serde_json::to_string(row)?)?;

@@ -1,0 +1,49 @@
+//! `fieldwalk evaluate` on recordings of the walker's half: a row a subset, system and metric.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use fieldwalk_formats::FormatError;
+
+use crate::arguments::EvaluateArguments;
+use crate::stop::{Stop, note};
+use crate::table::{number, table};
+use crate::walker_evaluation::{MetricRow, MetricScores};
+
+/// Scores with `score` and prints its rows.
+pub fn run(
+    score: impl Fn(&[PathBuf]) -> Result<MetricScores, FormatError>,
+    arguments: &EvaluateArguments,
+    out: &mut impl Write,
+) -> Result<(), Stop> {
+    let MetricScores { rows, warnings, errors } = score(&arguments.dirs)?;
+    for warning in &warnings {
+        note("warning", warning);
+    }
+    for error in &errors {
+        note("error", &error.to_string());
+    }
+    if arguments.json {
+        for row in &rows {
+            writeln!(out, "{}", serde_json::to_string(row)?)?;
+        }
+    } else {
+        print_table(&rows, out)?;
+    }
+    if errors.is_empty() { Ok(()) } else { Err(Stop::Incomplete) }
+}
+
+fn print_table(rows: &[MetricRow], out: &mut impl Write) -> Result<(), Stop> {
+    let cells = rows.iter().enumerate().map(|(k, row)| {
+        let is_repeated = k > 0 && rows[k - 1].subset == row.subset;
+        vec![
+            if is_repeated { String::new() } else { row.subset.clone() },
+            row.system.clone(),
+            row.metric.name().to_owned(),
+            number(row.value, 2),
+            row.n.to_string(),
+        ]
+    });
+    let table = table(&["subset", "system", "metric", "value", "n"], 3, cells);
+    Ok(writeln!(out, "{}", table.trim_fmt())?)
+}

@@ -1,0 +1,9 @@
+//! The walker's half scored by itself, on recordings whose truth is known: steps, attitude, heading.
+//!
+//! A data set is a module with a `score` from folders to [`MetricScores`]; a metric is a variant of [`Metric`].
+
+pub mod oxford_steps;
+mod row;
+pub mod tyrex;
+
+pub use row::{ALL, Metric, MetricRow, MetricScores};

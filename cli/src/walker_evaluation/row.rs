@@ -1,0 +1,90 @@
+//! Metric rows: one number of one system on one part of a data set.
+
+use fieldwalk_formats::FormatError;
+use serde::Serialize;
+
+/// The subset that pools all others.
+pub const ALL: &str = "all";
+
+/// What is measured; the name ends in the unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Metric {
+    /// Mean over walks of `100·|counted − true| / true` steps.
+    CountErrorAbsPercent,
+    /// Mean over walks of `100·(counted − true) / true` steps.
+    CountErrorSignedPercent,
+    /// Area under the receiver's curve: upward, forward and horizontal against the rest.
+    AucUfh,
+    /// Area under the receiver's curve: not upward against upward.
+    AucNonUpward,
+    /// Median of the absolute heading error, in degrees.
+    HeadingErrorMedianDeg,
+}
+
+impl Metric {
+    /// The name in rows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CountErrorAbsPercent => "count_error_abs_percent",
+            Self::CountErrorSignedPercent => "count_error_signed_percent",
+            Self::AucUfh => "auc_ufh",
+            Self::AucNonUpward => "auc_non_upward",
+            Self::HeadingErrorMedianDeg => "heading_error_median_deg",
+        }
+    }
+}
+
+/// One line of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MetricRow {
+    /// The data set.
+    pub dataset: &'static str,
+    /// The part of it, such as a way to carry the phone; [`ALL`] pools them.
+    pub subset: String,
+    /// What is scored, such as a step detector.
+    pub system: String,
+    /// What is measured.
+    pub metric: Metric,
+    /// Its value; NaN (in JSON, null) where there is none.
+    pub value: f64,
+    /// Number of walks, strides or moments behind it.
+    pub n: usize,
+}
+
+/// What scoring a data set gave.
+#[derive(Debug, Default)]
+pub struct MetricScores {
+    /// The rows, grouped by subset, the pooled ones last.
+    pub rows: Vec<MetricRow>,
+    /// What was left out because the data set itself has no truth or no signal there.
+    pub warnings: Vec<String>,
+    /// Files that should have been readable and were not.
+    pub errors: Vec<FormatError>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_has_the_agreed_keys_and_the_metric_its_name() {
+        for metric in [
+            Metric::CountErrorAbsPercent,
+            Metric::CountErrorSignedPercent,
+            Metric::AucUfh,
+            Metric::AucNonUpward,
+            Metric::HeadingErrorMedianDeg,
+        ] {
+            let row =
+                MetricRow { dataset: "d", subset: ALL.into(), system: "s".into(), metric, value: 1.5, n: 2 };
+            let name = metric.name();
+            assert_eq!(
+                serde_json::to_string(&row).unwrap(),
+                format!(
+                    r#"{{"dataset":"d","subset":"all","system":"s","metric":"{name}","value":1.5,"n":2}}"#
+                )
+            );
+        }
+    }
+}
