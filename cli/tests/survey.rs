@@ -89,7 +89,11 @@ fn a_survey_without_usable_walks_says_so_and_writes_nothing() {
     let site = folder("survey_empty");
     let map = site.join("map");
     let empty = write_floor(&site, "F1", 0);
-    fail(&["survey", text(&empty), "--out", text(&map)], 1, &["F1: no walk to survey with", "put recordings"]);
+    fail(
+        &["survey", text(&empty), "--out", text(&map)],
+        1,
+        &["F1: no walk to survey with", "put recordings"],
+    );
     let foreign = write_floor(&site, "F2", 1);
     fs::write(trace(&foreign, 0), "name,value\n1,2\n").unwrap();
     let said =

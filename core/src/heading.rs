@@ -9,7 +9,7 @@ mod fused;
 mod gyroscope;
 mod scalar_kalman;
 
-pub use compass::{Compass, CompassParams, earth_from_device};
+pub use compass::{Compass, CompassParams, LevelCompass, earth_from_device};
 pub use fused::{FusedHeading, FusedHeadingParams};
 pub use gyroscope::GyroscopeHeading;
 pub use scalar_kalman::{ScalarKalman, ScalarKalmanParams, WilaHeading};

@@ -217,9 +217,9 @@ impl Positioner {
     pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> {
         let particles = self.tracker.particles();
         let places = particles.x_m.iter().zip(&particles.y_m);
-        places.zip(&particles.log_weight).map(|((&x_m, &y_m), &log_weight)| {
-            (Point2::new(x_m.into(), y_m.into()), libm::expf(log_weight))
-        })
+        places
+            .zip(&particles.log_weight)
+            .map(|((&x_m, &y_m), &log_weight)| (Point2::new(x_m.into(), y_m.into()), libm::expf(log_weight)))
     }
 
     /// What was refused so far, by cause.

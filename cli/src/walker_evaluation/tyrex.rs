@@ -1,5 +1,7 @@
 //! The attitude benchmark of Tyrex: attitudes and headings against motion capture.
 
+mod heading;
+
 use std::path::PathBuf;
 
 use fieldwalk::sensor::Sample;
@@ -45,8 +47,7 @@ pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
             Err(error) => scores.errors.push(error),
         }
     }
-    // Here attitude and heading append their rows of `captured`.
-    let _ = &captured;
+    heading::score(&captured, &mut scores);
     Ok(scores)
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::HeadingEstimator;
-use crate::gravity::VectorLowPass;
+use crate::gravity::{LevelEstimator, LevelParams, VectorLowPass};
 use crate::rotation::{Quaternion, cross, norm};
 use crate::sensor::{Reading, Sample};
 use crate::time::Timestamp;
@@ -96,6 +96,55 @@ impl HeadingEstimator for Compass {
     }
 }
 
+/// The compass that a gyroscope levels: every field as it comes, in the level frame.
+///
+/// What is left of the compass's errors here is the field's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelCompass {
+    level: LevelEstimator,
+    has_uncalibrated: bool,
+    earth_from_device: Option<Quaternion>,
+}
+
+impl LevelCompass {
+    /// A compass that has seen nothing.
+    pub fn new(params: LevelParams) -> Self {
+        Self { level: LevelEstimator::new(params), has_uncalibrated: false, earth_from_device: None }
+    }
+
+    fn push_field(&mut self, field_ut: [f32; 3]) {
+        if let Some(level_from_device) = self.level.level_from_device() {
+            let up = level_from_device.rotate_back([0.0, 0.0, 1.0]);
+            let measured = earth_from_device(up, field_ut.map(f64::from));
+            self.earth_from_device = measured.or(self.earth_from_device);
+        }
+    }
+}
+
+impl HeadingEstimator for LevelCompass {
+    fn push(&mut self, sample: &Sample) {
+        if !sample.is_plausible() {
+            return;
+        }
+        match sample.reading {
+            Reading::AngularRate(rate) => self.level.push_angular_rate(sample.time, rate),
+            Reading::SpecificForce(force) => {
+                self.level.push_specific_force(sample.time, force);
+            }
+            Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
+                self.has_uncalibrated = true;
+                self.push_field([0, 1, 2].map(|c| field_ut[c] - bias_ut[c]));
+            }
+            Reading::MagneticField(field_ut) if !self.has_uncalibrated => self.push_field(field_ut),
+            _ => {}
+        }
+    }
+
+    fn earth_from_device(&self) -> Option<Quaternion> {
+        self.earth_from_device
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::simulated::Simulated;
@@ -128,6 +177,14 @@ mod tests {
         let mut compass = Compass::new(CompassParams::default());
         device.turn(&mut compass, 10.0, |_| [0.0, 0.0, 0.2]);
         assert!(device.error_deg(&compass).abs() < 1e-3);
+    }
+
+    #[test]
+    fn levelled_by_the_gyroscope_it_withstands_a_shaken_accelerometer() {
+        let mut device = Simulated::new(Quaternion::from_heading(-1.0));
+        let mut compass = LevelCompass::new(LevelParams::default());
+        device.turn(&mut compass, 10.0, |t| [libm::sin(9.0 * t), 0.0, 0.5]);
+        assert!(device.error_deg(&compass).abs() < 0.5, "{}", device.error_deg(&compass));
     }
 
     proptest! {
