@@ -4,6 +4,10 @@
 //! in it is clockwise from its y. Magnetic north is found elsewhere: nothing here reads a compass while there is a
 //! gyroscope.
 
+mod butterworth;
+
+pub use butterworth::ButterworthLowPass;
+
 use serde::{Deserialize, Serialize};
 
 use crate::rotation::{Quaternion, cross, norm};

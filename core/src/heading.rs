@@ -3,16 +3,26 @@
 //! The *earth frame* here has z up and y towards magnetic north. An estimator says how the device is turned in it as
 //! a whole, `earth_from_device`; a heading is the direction of one chosen axis of the device. That keeps the pocket,
 //! where the top edge points at the ceiling, as well defined as the hand.
+//!
+//! What the systems use of this is data in their recipes. `fused` and `dead-reckoning` carry the level frame of
+//! [`gravity`](crate::gravity) by the gyroscope and leave north to their particles; `mass-centered` takes each step's
+//! compass azimuth and adds the surveyed deviation of the place. The estimators here give a heading without a map:
+//! at a start, for a display, or for an engineer who compares them. The pathway model and the axis of the walk are
+//! parts for the systems that ask for them.
 
 mod compass;
 mod fused;
 mod gyroscope;
+mod pathway;
 mod scalar_kalman;
+mod walk_direction;
 
 pub use compass::{Compass, CompassParams, LevelCompass, earth_from_device};
 pub use fused::{FusedHeading, FusedHeadingParams};
 pub use gyroscope::GyroscopeHeading;
+pub use pathway::{PathwayParams, Pathways, pathway_heading_rad};
 pub use scalar_kalman::{ScalarKalman, ScalarKalmanParams, WilaHeading};
+pub use walk_direction::{WalkAxis, WalkAxisEstimator};
 
 use crate::rotation::Quaternion;
 use crate::sensor::Sample;
