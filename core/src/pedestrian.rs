@@ -58,7 +58,7 @@ pub struct Pedestrian {
 ///
 /// The operating system's later estimates of that bias are ignored: the raw field does not change with them, and the
 /// filter learns what remains of the bias itself. A phone that offers the corrected stream alone jumps at every
-/// recalibration; then, as when a device is magnetised, the step says that the bias is new.
+/// recalibration; then the step says that the bias is new.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Magnetometer {
     bias_ut: Option<[f32; 3]>,
@@ -133,7 +133,9 @@ impl Pedestrian {
         let (Some(level), Some(forward)) = (self.level.to_level(field_ut), self.level.forward()) else {
             return;
         };
-        self.sums.field_bias_reset |= self.jumps.push(time, level);
+        if self.magnetometer.bias_ut.is_none() {
+            self.sums.field_bias_reset |= self.jumps.push(time, level);
+        }
         self.sums.n_field += 1;
         self.sums.forward_field_ut[0] += level[0] * forward[1] - level[1] * forward[0];
         self.sums.forward_field_ut[1] += level[0] * forward[0] + level[1] * forward[1];

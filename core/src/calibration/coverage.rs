@@ -20,7 +20,7 @@ pub(super) fn coverage(points: &[[f64; 3]], centre: [f64; 3]) -> f64 {
 
 fn cell(direction: [f64; 3]) -> Option<usize> {
     let size = direction.map(f64::abs);
-    if !(size.iter().sum::<f64>() > 0.0) || direction.iter().any(|c| !c.is_finite()) {
+    if size.iter().all(|&c| c == 0.0) || direction.iter().any(|c| !c.is_finite()) {
         return None;
     }
     let axis = (0..3).fold(0, |best, c| if size[c] > size[best] { c } else { best });

@@ -100,7 +100,7 @@ pub fn fit_ellipsoid(
         excess_ut * excess_ut
     };
     let residual_ut = (readings.iter().map(square).sum::<f64>() / n_readings as f64).sqrt();
-    if !(residual_ut <= params.max_residual_ut) {
+    if residual_ut.is_nan() || residual_ut > params.max_residual_ut {
         return Err(SwingAgain::TooDisturbed { residual_ut });
     }
     let axes = matrix.symmetric_eigenvalues();

@@ -74,7 +74,7 @@ impl Pathways {
     /// At a crossing several pieces are as near, and each offers its two directions.
     pub fn closest_direction_rad(&self, place: Point2, heading_rad: f64, reach_m: f64) -> Option<f64> {
         let nearest_m = self.segments.iter().map(|s| s.distance_m(place)).fold(f64::INFINITY, f64::min);
-        if !(nearest_m <= reach_m) {
+        if nearest_m.is_nan() || nearest_m > reach_m {
             return None;
         }
         // Half a metre: the pieces that meet at a corner, and parallel lines of one corridor.

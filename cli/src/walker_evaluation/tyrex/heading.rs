@@ -173,3 +173,81 @@ impl TrialErrors {
         Plot { file_name: format!("heading-{}.svg", self.name), svg: chart.to_svg() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fieldwalk::sensor::{Reading, Sample};
+    use fieldwalk::time::Timestamp;
+    use fieldwalk_formats::tyrex::{Platform, Pose, Trial, Truth};
+
+    /// Ten seconds at rest, pointing 30° east of magnetic north, under a capture that is turned by `turned_deg` more.
+    fn at_rest(turned_deg: f64, disturbed: bool) -> CapturedTrial {
+        let magnetic_from_device = Quaternion::from_heading(30f64.to_radians());
+        let truth = Quaternion::from_heading((30.0 + DECLINATION_DEG - turned_deg).to_radians());
+        let single = |v: [f64; 3]| v.map(|c| c as f32);
+        let readings = [
+            Reading::AngularRate([0.0; 3]),
+            Reading::SpecificForce([0.0, 0.0, 9.806_65]),
+            Reading::MagneticField(single(magnetic_from_device.rotate_back([0.0, 22.0, -41.0]))),
+        ];
+        let samples = (0..1_000).flat_map(|k| {
+            let time = Timestamp::from_millis(10 * k);
+            readings.map(|reading| Sample { time, reading })
+        });
+        let pose = |k: i64| Pose {
+            time: Timestamp::from_millis(17 * k),
+            earth_from_device: truth.0,
+            position_m: [0.0; 3],
+        };
+        CapturedTrial {
+            trial: Trial {
+                name: "A_B_Dist_Texting".into(),
+                person: "A".into(),
+                phone: "B".into(),
+                platform: Platform::Android,
+                motion: Motion::Texting,
+                is_disturbed: disturbed,
+                folder: "a".into(),
+                capture: "b".into(),
+            },
+            samples: samples.collect(),
+            truth: Truth { poses: (0..1_000).map(pose).collect(), n_lost: 0 },
+        }
+    }
+
+    #[test]
+    fn every_system_errs_by_what_the_truth_is_turned() {
+        let mut scores = MetricScores::default();
+        score(&[at_rest(0.0, false), at_rest(25.0, true)], &mut scores);
+        let value = |subset: &str, system: &str| {
+            let row = scores.rows.iter().find(|row| row.subset == subset && row.system == system);
+            row.map(|row| row.value).unwrap()
+        };
+        for system in SYSTEMS {
+            for subset in ["texting", "undisturbed"] {
+                assert!(value(subset, system) < 0.3, "{system}: {}", value(subset, system));
+            }
+            for subset in ["texting-disturbed", "disturbed"] {
+                assert!((value(subset, system) - 25.0).abs() < 0.3, "{system}: {}", value(subset, system));
+            }
+            // Half of the frames at 0 and half at 25.
+            assert!((0.0..25.4).contains(&value(ALL, system)));
+        }
+        assert_eq!(scores.rows.len(), 5 * SYSTEMS.len());
+        // The log ends before the capture does: no frame counts after its end.
+        assert!(scores.rows.iter().all(|row| row.n > 500 && row.n < 1_200), "{:?}", scores.rows);
+        assert_eq!(scores.plots.len(), 2);
+        assert!(scores.plots[0].svg.contains("fused, median 25.0°"));
+    }
+
+    #[test]
+    fn a_trial_without_fields_gives_a_warning_and_no_row() {
+        let mut trial = at_rest(0.0, false);
+        trial.samples.retain(|sample| !matches!(sample.reading, Reading::MagneticField(_)));
+        let mut scores = MetricScores::default();
+        score(&[trial], &mut scores);
+        assert!(scores.rows.is_empty() && scores.warnings.len() == 1);
+        assert_eq!(median(Vec::new()).to_bits(), f64::NAN.to_bits());
+    }
+}
