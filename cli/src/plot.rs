@@ -16,11 +16,13 @@
 
 pub mod axis;
 pub mod chart;
+pub mod floor;
 pub mod rows;
 pub mod style;
 pub mod svg;
 
 pub use axis::Scale;
 pub use chart::{Chart, Mark, Series, cdf};
+pub use floor::FloorFrame;
 pub use rows::{Row, Rows, Shape};
 pub use svg::Svg;

@@ -1,6 +1,6 @@
 //! The facade: samples in, fixes out.
 
-mod fix;
+pub(crate) mod fix;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -45,11 +45,11 @@ pub enum PositionError {
     },
     /// The hint's point or radius is not finite, not positive, or off the plan by more than the radius.
     BadHint,
-    /// The asked time is before the last consumed sample.
+    /// The asked time is before the last consumed sample or the hint.
     TimeInPast {
         /// What was asked.
         asked: Timestamp,
-        /// The last consumed sample.
+        /// The last consumed sample, or a later hint.
         consumed: Timestamp,
     },
     /// Nothing is known yet: give a hint, or walk a step.
@@ -69,7 +69,7 @@ impl core::fmt::Display for PositionError {
                 let behind_ms = (*consumed - *asked).as_nanos() / 1_000_000;
                 write!(
                     f,
-                    "asked for a time {behind_ms} ms before the last consumed sample: ask for now or later"
+                    "asked for a time {behind_ms} ms before the last consumed sample or hint: ask for now or later"
                 )
             }
             Self::NoFix => write!(f, "no position yet: give a hint, or let the wearer walk a few steps"),
@@ -190,9 +190,10 @@ impl Positioner {
     /// The fix at `time`, the open step extrapolated; draws nothing and changes nothing.
     ///
     /// # Errors
-    /// [`PositionError::TimeInPast`] before the last consumed sample, [`PositionError::NoFix`] before a start.
+    /// [`PositionError::TimeInPast`] before the last consumed sample or a later hint, [`PositionError::NoFix`] before a start.
     pub fn fix_at(&self, time: Timestamp) -> Result<Fix, PositionError> {
-        if let Some(consumed) = self.progress.last_consumed.filter(|&consumed| time < consumed) {
+        let last_heard = self.progress.last_consumed.max(self.progress.hint_time);
+        if let Some(consumed) = last_heard.filter(|&consumed| time < consumed) {
             return Err(PositionError::TimeInPast { asked: time, consumed });
         }
         let estimate = self.tracker.estimate().ok_or(PositionError::NoFix)?;
@@ -206,7 +207,7 @@ impl Positioner {
             step_length_m: self.tracker.step_length_m(),
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
-            last_heard: self.progress.last_consumed.max(self.progress.hint_time),
+            last_heard,
             time,
         }))
     }
@@ -214,7 +215,7 @@ impl Positioner {
     /// Each particle's place and weight, relative to the heaviest's: for displays that show what the filter weighs.
     ///
     /// They stand where the last step ended; none before a start. Their number and order mean nothing.
-    pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> {
+    pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> + Clone {
         let particles = self.tracker.particles();
         let places = particles.x_m.iter().zip(&particles.y_m);
         places

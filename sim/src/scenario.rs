@@ -12,6 +12,7 @@ pub use walk::Walk;
 use fieldwalk::geometry::Point2;
 use fieldwalk::time::{Duration, Timestamp};
 
+use crate::air::Air;
 use crate::building::{Building, Stairs, keeping_right};
 use crate::magnetic_field::{EarthField, FieldOfDay, MagneticField, MovableParams, SteelParams, steel};
 use crate::noise::Noise;
@@ -45,6 +46,9 @@ pub struct Scenario {
     pub movable: MovableParams,
     /// Its transmitters.
     pub radio: RadioScene,
+    /// Standard deviation of the place that a surveyor taps about the true one, along each axis, in metres; 0 where
+    /// marks on the floor are tapped.
+    pub tap_sd_m: f64,
     /// What everything by chance follows from.
     pub seed: u64,
 }
@@ -82,7 +86,7 @@ impl Scenario {
         let radio = RadioScene::of_building(&building, BEACON_SPACING_M, seed);
         let field = MagneticField::default();
         let movable = MovableParams::default();
-        let mut scenario = Self { name, building, upstairs, field, movable, radio, seed };
+        let mut scenario = Self { name, building, upstairs, field, movable, radio, tap_sd_m: 0.0, seed };
         let earth = EarthField::default();
         let mut sources = Vec::new();
         for floor in scenario.floors() {
@@ -190,16 +194,22 @@ impl Scenario {
         (path, heights_m)
     }
 
+    fn field_of_day(&self, duration_s: f64, seed: u64) -> FieldOfDay<'_> {
+        self.floors().fold(FieldOfDay::of(&self.field), |field, floor| {
+            let seeds = [self.storey_seed(floor.ordinal), seed.wrapping_add(floor.ordinal as u64)];
+            field.with_floor(floor.building, floor.height_m, &self.movable, duration_s, seeds)
+        })
+    }
+
     /// What the phone of `walk` records, and the truth.
     pub fn simulate(&self, walk: &Walk) -> Recorded {
         let course = Course::with_heights(&walk.path, &walk.heights_m);
         let gait = Gait::new(&walk.walker, course, &walk.pauses, STANDING_S, walk.seed);
         let grip = Grip::drawn(walk.walker.height_m, walk.seed);
         let carried = Carried::new(gait, grip, &walk.carrying);
-        let seeds = [self.seed, walk.seed];
-        let duration_s = carried.gait().duration_s();
-        let field = FieldOfDay::drawn(&self.field, &self.building, &self.movable, duration_s, seeds);
-        let mut samples = walk.phone.record(&carried, &field, ORIGIN, walk.device, walk.seed);
+        let field = self.field_of_day(carried.gait().duration_s(), walk.seed);
+        let air = Air::drawn(walk.seed);
+        let mut samples = walk.phone.record(&carried, &field, &air, ORIGIN, [walk.device, walk.seed]);
         samples.extend(walk.radio.listen(&carried, &self.radio, ORIGIN, walk.device, walk.seed));
         // Stable: samples of one instant keep the order of their sensors.
         samples.sort_by_key(|sample| sample.time);
@@ -219,7 +229,7 @@ impl Scenario {
         Recorded {
             name: walk.name.clone(),
             samples,
-            waypoints: walk.waypoints(gait, STANDING_S),
+            waypoints: walk.waypoints(gait, STANDING_S, self.tap_sd_m),
             truth: truth.collect(),
             steps: gait.steps().to_vec(),
         }

@@ -1,12 +1,14 @@
 //! `fieldwalk survey`: walks become a building's map.
 
 mod expected;
+mod picture;
 mod report;
 mod walks;
 
 use std::io::Write;
 
 use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
+use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::survey::{Coverage, SurveyParams, build_floor};
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::ilc::floor_ordinal;
@@ -16,10 +18,11 @@ use crate::arguments::SurveyArguments;
 use crate::floors::{Floor, FoundFloor, Layout, find_floors};
 use crate::stop::{Stop, note};
 
+use picture::Picture;
 use report::FloorReport;
 use walks::Walks;
 
-/// Maps the floors, writes the building and prints what it is worth.
+/// Maps the floors, writes the building and its pictures, and prints what it is worth.
 pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop> {
     let layout = arguments.layout.unwrap_or_else(|| Layout::of(&arguments.dirs));
     let found = find_floors(&arguments.dirs, layout)?;
@@ -37,10 +40,17 @@ pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop
     let files = report::floor_files(&arguments.out)?;
     let mut reports = Vec::new();
     for (map, walks) in building.floors.into_iter().zip(&surveys) {
-        let expected =
-            (!arguments.no_expected_accuracy).then(|| expected::accuracy(&map, walks, &params)).flatten();
+        let scores =
+            if arguments.no_expected_accuracy { Vec::new() } else { expected::scores(&map, walks, &params) };
+        let fixes: Vec<ScoredFix> = scores.iter().map(|(_, fix)| *fix).collect();
+        let expected = ErrorSummary::of(&fixes);
         let index = FloorIndex::new(map);
-        reports.push(FloorReport::new(&index, Coverage::of(&index), walks, &files, expected));
+        let coverage = Coverage::of(&index);
+        let file = files.iter().find(|file| file.name == index.map().name);
+        let path =
+            picture::path(&arguments.out, arguments.pictures.as_deref(), file.map_or("", |file| &file.file));
+        Picture { building: &building.name, floor: &index, coverage, scores: &scores }.write(&path)?;
+        reports.push(FloorReport::new(&index, coverage, walks, file, expected, path));
     }
     if arguments.json {
         for report in &reports {

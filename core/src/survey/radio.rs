@@ -18,17 +18,42 @@ const PRIOR_EXPONENT: (f64, f64) = (2.5, 5.0);
 /// Added to the residual variance of a fit, in dB²: fading that a straight walk does not show.
 const EXTRA_VARIANCE_DB2: f64 = 9.0;
 
-/// Fits every transmitter that was heard often enough, in order of identity.
-pub(super) fn fit_transmitters(walks: &[SurveyWalk], tracks: &[(u32, SurveyTrack)]) -> Vec<Transmitter> {
-    let mut heard: BTreeMap<TransmitterId, Vec<(Point2, f64)>> = BTreeMap::new();
-    for (walk, track) in tracks {
-        for (time, sighting) in walks[*walk as usize].sightings() {
-            if let Some(position) = track.position(*time) {
-                heard.entry(sighting.transmitter).or_default().push((position, f64::from(sighting.rssi_dbm)));
+/// What every transmitter was heard at, and where.
+pub(super) struct Heard(BTreeMap<TransmitterId, Vec<Sighting>>);
+
+/// A power received at a place on a walk.
+struct Sighting {
+    place: Point2,
+    rssi_dbm: f64,
+    walk: u32,
+}
+
+impl Heard {
+    /// The sightings of `walks`, placed along their `tracks`.
+    pub fn of(walks: &[SurveyWalk], tracks: &[(u32, SurveyTrack)]) -> Self {
+        let mut heard: BTreeMap<TransmitterId, Vec<Sighting>> = BTreeMap::new();
+        for (walk, track) in tracks {
+            for (time, sighting) in walks[*walk as usize].sightings() {
+                if let Some(place) = track.position(*time) {
+                    let rssi_dbm = f64::from(sighting.rssi_dbm);
+                    let sightings = heard.entry(sighting.transmitter).or_default();
+                    sightings.push(Sighting { place, rssi_dbm, walk: *walk });
+                }
             }
         }
+        Self(heard)
     }
-    heard.into_iter().filter_map(|(id, sightings)| fit(id, &sightings)).collect()
+
+    /// Fits every transmitter that was heard often enough outside the walk `left_out`, in order of identity.
+    pub fn fit(&self, left_out: Option<u32>) -> Vec<Transmitter> {
+        self.0.keys().filter_map(|&id| self.fit_one(id, left_out)).collect()
+    }
+
+    /// Fits one transmitter; nothing when it was not heard often enough outside the walk `left_out`.
+    pub fn fit_one(&self, id: TransmitterId, left_out: Option<u32>) -> Option<Transmitter> {
+        let others = self.0.get(&id)?.iter().filter(|sighting| Some(sighting.walk) != left_out);
+        fit(id, &others.map(|sighting| (sighting.place, sighting.rssi_dbm)).collect::<Vec<_>>())
+    }
 }
 
 fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {
@@ -38,13 +63,14 @@ fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {
     let stride = sightings.len().div_ceil(MAX_SIGHTINGS);
     let used: Vec<_> = sightings.iter().copied().step_by(stride).collect();
     let strongest = sightings.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let mut best = model_at(strongest.0, &used);
+    let mut losses = Vec::with_capacity(used.len());
+    let mut best = model_at(strongest.0, &used, &mut losses);
     for (reach_m, step_m) in SEARCH_M {
         let centre = best.position;
         let n = (reach_m / step_m) as i32;
         for (i, j) in (-n..=n).flat_map(|i| (-n..=n).map(move |j| (i, j))) {
             let place = centre + Point2::new(f64::from(i) * step_m, f64::from(j) * step_m);
-            let candidate = model_at(place, &used);
+            let candidate = model_at(place, &used, &mut losses);
             if candidate.cost < best.cost {
                 best = candidate;
             }
@@ -69,18 +95,18 @@ struct Model {
 }
 
 /// The least-squares path loss for a transmitter at `position`, its exponent drawn to the prior and kept in [1.2, 5].
-fn model_at(position: Point2, sightings: &[(Point2, f64)]) -> Model {
+///
+/// What stands in `losses` does not matter: it is memory.
+fn model_at(position: Point2, sightings: &[(Point2, f64)], losses: &mut Vec<f64>) -> Model {
     let n = sightings.len() as f64;
     let loss = |p: Point2| -10.0 * libm::log10(p.distance_m(position).max(1.0));
-    let (mut sum_l, mut sum_r) = (0.0, 0.0);
-    for &(p, rssi_dbm) in sightings {
-        sum_l += loss(p);
-        sum_r += rssi_dbm;
-    }
-    let (mean_l, mean_r) = (sum_l / n, sum_r / n);
+    losses.clear();
+    losses.extend(sightings.iter().map(|&(p, _)| loss(p)));
+    let mean_l = losses.iter().sum::<f64>() / n;
+    let mean_r = sightings.iter().map(|&(_, rssi_dbm)| rssi_dbm).sum::<f64>() / n;
     let (mut ll, mut lr, mut rr) = (0.0, 0.0, 0.0);
-    for &(p, rssi_dbm) in sightings {
-        let (l, r) = (loss(p) - mean_l, rssi_dbm - mean_r);
+    for (&(_, rssi_dbm), loss) in sightings.iter().zip(losses.iter()) {
+        let (l, r) = (loss - mean_l, rssi_dbm - mean_r);
         ll += l * l;
         lr += l * r;
         rr += r * r;

@@ -117,6 +117,14 @@ impl WayGraph {
         if free_m.is_finite() { free_m } else { 0.0 }
     }
 
+    /// Whether `p` is within `margin_m` of the space that the ways need.
+    pub(crate) fn is_near(&self, p: Point2, margin_m: f64) -> bool {
+        self.ways.iter().any(|way| {
+            let line = Segment { a: self.nodes[way.from], b: self.nodes[way.to] };
+            line.distance_m(p) < way.free_m + margin_m
+        })
+    }
+
     /// A way through the building by chance, at least `length_m` long, that turns back only at dead ends.
     pub fn wander(&self, seed: u64, length_m: f64) -> Vec<Point2> {
         if self.nodes.is_empty() {

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fieldwalk::Rejections;
 use fieldwalk::map::FloorIndex;
@@ -41,6 +41,8 @@ pub struct FloorReport {
     route_m: f64,
     /// Nothing where it was not asked for, or no walk could be left out.
     expected_accuracy: Option<ExpectedReport>,
+    /// The file that shows all this.
+    picture: PathBuf,
 }
 
 #[derive(Debug, Serialize)]
@@ -59,8 +61,8 @@ struct ExpectedReport {
 /// A floor of the map on disk.
 #[derive(Debug, Deserialize)]
 pub struct FloorFile {
-    name: String,
-    file: String,
+    pub name: String,
+    pub file: String,
     #[serde(skip)]
     n_bytes: u64,
 }
@@ -89,12 +91,12 @@ impl FloorReport {
         floor: &FloorIndex,
         coverage: Coverage,
         walks: &Walks,
-        files: &[FloorFile],
+        file: Option<&FloorFile>,
         expected: Option<ErrorSummary>,
+        picture: PathBuf,
     ) -> Self {
         let map = floor.map();
         let RecordingLosses { n_cut, n_corrupt_chunks, n_malformed } = walks.recordings;
-        let file = files.iter().find(|file| file.name == map.name);
         let refused = walks.refused.iter().map(|refused| RefusedReport {
             file: refused.path.display().to_string(),
             reason: refused.reason.clone(),
@@ -124,6 +126,7 @@ impl FloorReport {
                 median_m: summary.median_m,
                 p80_m: summary.p80_m,
             }),
+            picture,
         }
     }
 
@@ -192,6 +195,9 @@ pub fn print(building: &str, dir: &Path, reports: &[FloorReport], out: &mut impl
             out,
             "median and p80: expected error of `fused`, each walk on the map of the others, start known to ± 2 m"
         )?;
+    }
+    for report in reports {
+        writeln!(out, "{}: picture in {}", report.floor, report.picture.display())?;
     }
     for remark in reports.iter().flat_map(FloorReport::remarks) {
         writeln!(out, "{remark}")?;
