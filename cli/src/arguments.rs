@@ -244,6 +244,8 @@ JSON for the others: one object a subset (\"all\": pooled), system and metric.
   oxford-steps        count_error_abs_percent, count_error_signed_percent: mean
                       over runs of the steps counted against the contacts of
                       the foot switches
+  tyrex               heading_error_median_deg: median over captured frames of
+                      the device's heading against motion capture
 A number that does not exist is null.
 
 See `fieldwalk --help` for the exit codes.")]
@@ -297,6 +299,10 @@ pub struct EvaluateArguments {
     /// Print one JSON object a line instead of tables.
     #[arg(long)]
     pub json: bool,
+
+    /// Write a picture of each failure into this folder, as SVG: for oxford-steps and tyrex.
+    #[arg(long, value_name = "FOLDER")]
+    pub plots: Option<PathBuf>,
 
     /// The page.
     #[command(flatten)]

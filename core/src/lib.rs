@@ -33,9 +33,11 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod calibration;
 pub mod floor_plan;
 pub mod geometry;
 pub mod gravity;
+pub mod heading;
 pub mod magnetic;
 pub mod map;
 pub mod metrics;
@@ -45,6 +47,7 @@ pub mod pedestrian;
 pub mod positioner;
 pub mod random;
 mod reorder;
+pub mod rotation;
 pub mod sensor;
 pub mod step;
 pub mod survey;

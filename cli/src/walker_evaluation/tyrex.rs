@@ -1,16 +1,56 @@
 //! The attitude benchmark of Tyrex: attitudes and headings against motion capture.
 
+mod heading;
+
 use std::path::PathBuf;
 
+use fieldwalk::sensor::Sample;
 use fieldwalk_formats::FormatError;
+use fieldwalk_formats::tyrex::{Trial, Truth, find_trials};
+use rayon::prelude::*;
 
 use super::MetricScores;
 
+/// The name in rows.
+pub const DATASET: &str = "tyrex";
+
+/// A trial with all that was recorded.
+#[derive(Clone, Debug)]
+pub struct CapturedTrial {
+    /// Who, with which phone, how.
+    pub trial: Trial,
+    /// What the phone said, in order of time, on the clock of the capture.
+    pub samples: Vec<Sample>,
+    /// Where it was and how it was turned.
+    pub truth: Truth,
+}
+
 /// Scores the recordings in `dirs`.
 ///
+/// A folder whose name is none of a trial's gives a warning.
+///
 /// # Errors
-/// Always, until a reader of its recordings is there.
+/// When a folder cannot be listed or holds no trial.
 pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
-    let error = FormatError::malformed("this build reads no recording of the benchmark", "update Fieldwalk");
-    Err(dirs.iter().fold(error, FormatError::at_path))
+    let mut trials = Vec::new();
+    let mut scores = MetricScores::default();
+    for dir in dirs {
+        let found = find_trials(dir)?;
+        let foreign = found.foreign.iter();
+        scores.warnings.extend(foreign.map(|folder| format!("{}: not a trial's name", folder.display())));
+        trials.extend(found.trials);
+    }
+    let mut captured = Vec::new();
+    for outcome in trials.into_par_iter().map(read).collect::<Vec<_>>() {
+        match outcome {
+            Ok(trial) => captured.push(trial),
+            Err(error) => scores.errors.push(error),
+        }
+    }
+    heading::score(&captured, &mut scores);
+    Ok(scores)
+}
+
+fn read(trial: Trial) -> Result<CapturedTrial, FormatError> {
+    Ok(CapturedTrial { samples: trial.samples()?.samples, truth: trial.truth()?, trial })
 }
