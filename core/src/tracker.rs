@@ -323,6 +323,7 @@ mod tests {
             level_heading_rad: core::f32::consts::FRAC_PI_2,
             forward_field: None,
             end_strength_ut: Some(40.0 + 1.5 * k as f32),
+            field_bias_reset: false,
         }
     }
 
