@@ -23,7 +23,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Command, TrainArguments, TrainedPart};
 use stop::Stop;
 
 /// Runs the command that the process's arguments ask for.
@@ -35,6 +35,9 @@ pub fn run() -> ExitCode {
         Command::Survey(arguments) => commands::survey::run(arguments, &mut out),
         Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
         Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),
+        Command::Train(TrainArguments { part: TrainedPart::Attitude(arguments) }) => {
+            commands::train::attitude(arguments, &mut out)
+        }
     };
     // What was written before a failure is shown before it is explained.
     let flushed = out.flush().map_err(Stop::from);

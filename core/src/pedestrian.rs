@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::{AttitudeDetector, AttitudeEstimate, AttitudeParams, Stride};
 use crate::gravity::{LevelEstimator, LevelParams, STANDARD_GRAVITY_M_S2};
 use crate::magnetic::feature::LevelField;
 use crate::sensor::{Reading, Sample};
@@ -20,6 +21,8 @@ pub struct StepEvent {
     pub forward_field: Option<LevelField>,
     /// Field strength at the end of the step (smoothed over about 0.1 s), in µT; nothing without a magnetometer.
     pub end_strength_ut: Option<f32>,
+    /// How the phone was held.
+    pub attitude: AttitudeEstimate,
 }
 
 impl StepEvent {
@@ -36,6 +39,8 @@ pub struct PedestrianParams {
     pub level: LevelParams,
     /// The step detector.
     pub step: PhoneStepParams,
+    /// How the phone is held.
+    pub attitude: AttitudeParams,
 }
 
 /// The walker's half of the pipeline: keeps the level frame, cuts steps and averages the features over each.
@@ -43,6 +48,7 @@ pub struct PedestrianParams {
 pub struct Pedestrian {
     level: LevelEstimator,
     detector: PhoneStepDetector,
+    attitude: AttitudeDetector,
     magnetometer: Magnetometer,
     sums: StepSums,
     last_forward: [f32; 2],
@@ -76,6 +82,7 @@ impl Pedestrian {
         Self {
             level: LevelEstimator::new(params.level),
             detector: PhoneStepDetector::new(params.step),
+            attitude: AttitudeDetector::new(params.attitude),
             magnetometer: Magnetometer::default(),
             sums: StepSums::default(),
             last_forward: [0.0, 1.0],
@@ -85,7 +92,10 @@ impl Pedestrian {
     /// Consumes a sample (in order of time); returns the step that it completes, if any.
     pub fn push(&mut self, sample: &Sample) -> Option<StepEvent> {
         match sample.reading {
-            Reading::AngularRate(rate) => self.level.push_angular_rate(sample.time, rate),
+            Reading::AngularRate(rate) => {
+                self.level.push_angular_rate(sample.time, rate);
+                self.attitude.push_rate(sample.time, rate);
+            }
             Reading::SpecificForce(force) => return self.push_force(sample.time, force),
             Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
                 let bias = *self.magnetometer.bias_ut.get_or_insert(bias_ut);
@@ -97,6 +107,16 @@ impl Pedestrian {
             _ => {}
         }
         None
+    }
+
+    /// How the phone is held now.
+    pub fn attitude(&self) -> AttitudeEstimate {
+        self.attitude.estimate()
+    }
+
+    /// The latest stride that was cut; nothing before the first.
+    pub fn last_stride(&self) -> Option<&Stride> {
+        self.attitude.last_stride()
     }
 
     /// Heading of the device's forward axis now, in the level frame, in radians.
@@ -112,8 +132,13 @@ impl Pedestrian {
             self.sums.forward[0] += forward[0];
             self.sums.forward[1] += forward[1];
         }
+        self.attitude.push_force(time, force, level_force[2]);
         let cycle = self.detector.push(time, level_force[2] - STANDARD_GRAVITY_M_S2)?;
-        let event = self.sums.event(cycle, self.last_forward, self.magnetometer.smoothed_strength_ut);
+        self.attitude.push_step(&cycle);
+        let event = StepEvent {
+            attitude: self.attitude.estimate(),
+            ..self.sums.event(cycle, self.last_forward, self.magnetometer.smoothed_strength_ut)
+        };
         self.sums = StepSums::default();
         Some(event)
     }
@@ -146,6 +171,7 @@ impl StepSums {
             level_heading_rad: libm::atan2f(forward[0], forward[1]),
             forward_field: has_field.then(|| LevelField { field_ut: self.forward_field_ut.map(mean) }),
             end_strength_ut: strength_ut.filter(|_| has_field),
+            attitude: AttitudeEstimate::default(),
         }
     }
 }

@@ -206,6 +206,7 @@ impl Positioner {
             step_length_m: self.tracker.step_length_m(),
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
+            attitude: self.pedestrian.attitude(),
             last_heard: self.progress.last_consumed.max(self.progress.hint_time),
             time,
         }))

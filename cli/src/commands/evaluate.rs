@@ -1,6 +1,7 @@
 //! `fieldwalk evaluate`: systems compared on recordings with known places.
 
 mod recipe_file;
+mod table_file;
 mod walker;
 
 use std::io::Write;
@@ -27,7 +28,10 @@ pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), St
     match arguments.dataset {
         Dataset::Ilc => score_systems(arguments, out),
         Dataset::OxfordSteps => walker::run(walker_evaluation::oxford_steps::score, arguments, out),
-        Dataset::Tyrex => walker::run(walker_evaluation::tyrex::score, arguments, out),
+        Dataset::Tyrex => {
+            let table = arguments.table.as_deref().map(table_file::read).transpose()?;
+            walker::run(|dirs| walker_evaluation::tyrex::score(dirs, table), arguments, out)
+        }
     }
 }
 

@@ -1,6 +1,11 @@
 //! The attitude benchmark of Tyrex: attitudes and headings against motion capture.
 
+pub mod attitude;
+pub mod training;
+
 use std::path::PathBuf;
+
+use fieldwalk::attitude::EventTable;
 
 use fieldwalk::sensor::Sample;
 use fieldwalk_formats::FormatError;
@@ -23,13 +28,12 @@ pub struct CapturedTrial {
     pub truth: Truth,
 }
 
-/// Scores the recordings in `dirs`.
-///
-/// A folder whose name is none of a trial's gives a warning.
+/// Scores the recordings in `dirs`. A folder whose name is none of a trial's gives a warning.
 ///
 /// # Errors
 /// When a folder cannot be listed or holds no trial.
-pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
+/// `table` is scored as a system of its own, beside the built-in ones.
+pub fn score(dirs: &[PathBuf], table: Option<EventTable>) -> Result<MetricScores, FormatError> {
     let mut trials = Vec::new();
     let mut scores = MetricScores::default();
     for dir in dirs {
@@ -45,8 +49,7 @@ pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
             Err(error) => scores.errors.push(error),
         }
     }
-    // Here attitude and heading append their rows of `captured`.
-    let _ = &captured;
+    scores.rows.extend(attitude::rows(&captured, table));
     Ok(scores)
 }
 

@@ -1,0 +1,232 @@
+//! Attitudes against the trials' names and the capture, once a second.
+//!
+//! A moment is a whole second of the capture. What counts is what the detector says there, having heard nothing later.
+//! By name, UFH is every moment of a trial of texting and of no other, and texting alone faces up. The capture is the
+//! second opinion, for phones on their way to the pocket and cameras that look down.
+
+use std::collections::BTreeSet;
+use std::f64::consts::FRAC_PI_2;
+
+use fieldwalk::attitude::{Attitude, AttitudeEstimate, AttitudeParams, CarryMode, EventCounts, EventTable};
+use fieldwalk::pedestrian::{Pedestrian, PedestrianParams};
+use fieldwalk::time::{Duration, Timestamp};
+use fieldwalk_formats::tyrex::{Motion, Truth};
+use rayon::prelude::*;
+
+use super::training::{count_strides, table_of};
+use super::{CapturedTrial, DATASET};
+use crate::walker_evaluation::auc::auc;
+use crate::walker_evaluation::{ALL, Metric, MetricRow};
+
+/// What the detector said at a moment, and what was so.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// When, on the clock of the capture.
+    pub time: Timestamp,
+    /// The detector's answer.
+    pub said: AttitudeEstimate,
+    /// Mean of the vertical's share out of the screen over the last second, by the capture: 1 for a level phone.
+    pub captured_upward: Option<f64>,
+}
+
+/// The moments of one trial for one system.
+#[derive(Clone, Debug)]
+pub struct TrialMoments<'a> {
+    /// The trial.
+    pub trial: &'a CapturedTrial,
+    /// Its moments, in order of time.
+    pub moments: Vec<Moment>,
+}
+
+/// The systems' names, each with its parameters for the trials of each half.
+fn systems(trials: &[CapturedTrial], table: Option<EventTable>) -> Vec<(&'static str, [AttitudeParams; 2])> {
+    let with = |table: EventTable| AttitudeParams { table, ..AttitudeParams::default() };
+    let counts: Vec<EventCounts> = trials
+        .par_iter()
+        .map(|trial| match trial.trial.motion {
+            Motion::Texting => count_strides(&trial.samples),
+            _ => EventCounts::default(),
+        })
+        .collect();
+    let trained_without = |half: usize| {
+        let mut others = EventCounts::default();
+        for (of_trial, _) in counts.iter().zip(halves(trials)).filter(|(_, its_half)| *its_half != half) {
+            others.merge(of_trial);
+        }
+        with(table_of(&others))
+    };
+    let mut systems = vec![
+        ("printed", [AttitudeParams::printed(); 2]),
+        ("trained", [0, 1].map(trained_without)),
+        ("shipped", [AttitudeParams::default(); 2]),
+    ];
+    systems.extend(table.map(|table| ("file", [with(table); 2])));
+    systems
+}
+
+/// The half of each trial: the trials of a motion, by name, in turns.
+fn halves(trials: &[CapturedTrial]) -> Vec<usize> {
+    let earlier = |k: usize| {
+        let motion = trials[k].trial.motion;
+        trials[..k].iter().filter(move |other| other.trial.motion == motion)
+    };
+    (0..trials.len()).map(|k| earlier(k).count() % 2).collect()
+}
+
+/// The rows of every subset: phones, persons where there are several, disturbed or not, texting against each other
+/// motion, and all.
+pub fn rows(trials: &[CapturedTrial], table: Option<EventTable>) -> Vec<MetricRow> {
+    let halves = halves(trials);
+    let mut rows: Vec<(usize, MetricRow)> = Vec::new();
+    for (system, params) in systems(trials, table) {
+        let of_trials: Vec<TrialMoments<'_>> = trials
+            .par_iter()
+            .zip(&halves)
+            .map(|(trial, &half)| TrialMoments { trial, moments: moments(trial, params[half]) })
+            .collect();
+        for (k, (subset, chosen)) in subsets(&of_trials).into_iter().enumerate() {
+            rows.extend(subset_rows(&subset, system, &chosen).into_iter().map(|row| (k, row)));
+        }
+    }
+    rows.sort_by_key(|(subset, _)| *subset);
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+type Chosen<'a> = Vec<&'a TrialMoments<'a>>;
+
+fn subsets<'a>(trials: &'a [TrialMoments<'a>]) -> Vec<(String, Chosen<'a>)> {
+    let mut subsets: Vec<(String, Chosen<'a>)> = Vec::new();
+    let mut add = |name: String, is_in: &dyn Fn(&CapturedTrial) -> bool| {
+        let chosen: Chosen<'a> = trials.iter().filter(|of_trial| is_in(of_trial.trial)).collect();
+        if !chosen.is_empty() {
+            subsets.push((name, chosen));
+        }
+    };
+    let names = |of: &dyn Fn(&CapturedTrial) -> String| {
+        trials.iter().map(|of_trial| of(of_trial.trial)).collect::<BTreeSet<_>>()
+    };
+    let persons = names(&|trial| trial.trial.person.clone());
+    if persons.len() > 1 {
+        for person in persons {
+            add(format!("person {person}"), &|trial| trial.trial.person == person);
+        }
+    }
+    for phone in names(&|trial| trial.trial.phone.clone()) {
+        add(format!("phone {phone}"), &|trial| trial.trial.phone == phone);
+    }
+    add("undisturbed".into(), &|trial| !trial.trial.is_disturbed);
+    add("disturbed".into(), &|trial| trial.trial.is_disturbed);
+    for motion in Motion::ALL.into_iter().filter(|&motion| motion != Motion::Texting) {
+        if trials.iter().any(|of_trial| of_trial.trial.trial.motion == motion) {
+            let is_in = move |trial: &CapturedTrial| [motion, Motion::Texting].contains(&trial.trial.motion);
+            add(format!("Texting and {}", motion.name()), &is_in);
+        }
+    }
+    add(ALL.into(), &|_| true);
+    subsets
+}
+
+fn subset_rows(subset: &str, system: &str, trials: &[&TrialMoments<'_>]) -> Vec<MetricRow> {
+    let params = AttitudeParams::default();
+    let level_from = (f64::from(params.level_share) * FRAC_PI_2).cos();
+    let upward_from = f64::from(params.upward_g);
+    let moments = || {
+        trials.iter().flat_map(|of_trial| {
+            let motion = of_trial.trial.trial.motion;
+            of_trial.moments.iter().map(move |moment| (motion, moment))
+        })
+    };
+    let n = moments().count();
+    // Scores of the moments with and without the property; `is_so` may have no opinion.
+    let area = |score: &dyn Fn(&AttitudeEstimate) -> f32, is_so: &dyn Fn(Motion, &Moment) -> Option<bool>| {
+        let mut scores = [Vec::new(), Vec::new()];
+        for (motion, moment) in moments() {
+            if let Some(is_so) = is_so(motion, moment) {
+                scores[usize::from(is_so)].push(f64::from(score(&moment.said)));
+            }
+        }
+        (auc(&scores[1], &scores[0]), scores[0].len() + scores[1].len())
+    };
+    let share_percent = |is_right: &dyn Fn(Motion, &Moment) -> bool| {
+        (100.0 * moments().filter(|(motion, moment)| is_right(*motion, moment)).count() as f64 / n as f64, n)
+    };
+    let ufh = |said: &AttitudeEstimate| said.ufh_score;
+    let non_upward = |said: &AttitudeEstimate| -said.upward_g;
+    let captured_ufh = |motion: Motion, moment: &Moment| {
+        let is_level = moment.captured_upward? > level_from;
+        (is_level == (motion == Motion::Texting)).then_some(is_level)
+    };
+    let is_ufh = |said: &AttitudeEstimate| said.attitude == Attitude::UpwardForwardHorizontal;
+    [
+        (Metric::AucUfh, area(&ufh, &|motion, _| Some(motion == Motion::Texting))),
+        (Metric::AucNonUpward, area(&non_upward, &|motion, _| Some(motion != Motion::Texting))),
+        (Metric::AucUfhCaptured, area(&ufh, &captured_ufh)),
+        (
+            Metric::AucNonUpwardCaptured,
+            area(&non_upward, &|_, moment| moment.captured_upward.map(|upward| upward <= upward_from)),
+        ),
+        (
+            Metric::UfhCorrectPercent,
+            share_percent(&|motion, moment| is_ufh(&moment.said) == (motion == Motion::Texting)),
+        ),
+        (
+            Metric::CarryModeCorrectPercent,
+            share_percent(&|motion, moment| is_carried_so(motion, moment.said.carry_mode)),
+        ),
+    ]
+    .map(|(metric, (value, n))| MetricRow {
+        dataset: DATASET,
+        subset: subset.into(),
+        system: system.into(),
+        metric,
+        value,
+        n,
+    })
+    .into()
+}
+
+/// Whether `mode` is how the phone is carried in `motion`.
+pub fn is_carried_so(motion: Motion, mode: CarryMode) -> bool {
+    match motion {
+        Motion::AugmentedReality => mode == CarryMode::HeldUpright,
+        Motion::Texting => mode == CarryMode::HeldUp,
+        Motion::Phoning => mode == CarryMode::Calling,
+        Motion::Swinging | Motion::RunningInHand => mode == CarryMode::Swinging,
+        Motion::FrontPocket => mode == CarryMode::FrontPocket,
+        Motion::BackPocket => mode == CarryMode::BackPocket,
+        Motion::RunningInPocket => matches!(mode, CarryMode::FrontPocket | CarryMode::BackPocket),
+    }
+}
+
+/// What a detector with `params` says at every whole second of the capture.
+pub fn moments(trial: &CapturedTrial, params: AttitudeParams) -> Vec<Moment> {
+    let mut pedestrian =
+        Pedestrian::new(PedestrianParams { attitude: params, ..PedestrianParams::default() });
+    let (Some(first), Some(last)) = (trial.truth.poses.first(), trial.truth.poses.last()) else {
+        return Vec::new();
+    };
+    let second = Duration::from_millis(1_000);
+    let mut next = first.time + second;
+    let mut moments = Vec::new();
+    for sample in &trial.samples {
+        while sample.time > next && next <= last.time {
+            moments.push(Moment {
+                time: next,
+                said: pedestrian.attitude(),
+                captured_upward: captured_upward(&trial.truth, next),
+            });
+            next = next + second;
+        }
+        pedestrian.push(sample);
+    }
+    moments
+}
+
+/// Mean over the second before `time` of the vertical's share out of the screen.
+fn captured_upward(truth: &Truth, time: Timestamp) -> Option<f64> {
+    let from = truth.poses.partition_point(|pose| time.secs_since(pose.time) > 1.0);
+    let to = truth.poses.partition_point(|pose| pose.time <= time);
+    let poses = truth.poses.get(from..to).filter(|poses| poses.len() >= 10)?;
+    let sum: f64 = poses.iter().map(|pose| pose.to_earth([0.0, 0.0, 1.0])[2]).sum();
+    Some(sum / poses.len() as f64)
+}
