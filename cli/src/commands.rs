@@ -2,5 +2,7 @@
 
 pub mod demo;
 pub mod evaluate;
+pub mod import;
 pub mod replay;
+pub mod simulate;
 pub mod survey;

@@ -11,8 +11,9 @@ mod commands;
 mod error_table;
 pub mod evaluation;
 pub mod floors;
-mod in_order;
+pub mod plot;
 mod progress;
+mod simulated;
 mod stop;
 mod table;
 pub mod walker_evaluation;
@@ -35,6 +36,8 @@ pub fn run() -> ExitCode {
         Command::Survey(arguments) => commands::survey::run(arguments, &mut out),
         Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
         Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),
+        Command::Import(arguments) => commands::import::run(arguments, &mut out),
+        Command::Simulate(arguments) => commands::simulate::run(arguments, &mut out),
     };
     // What was written before a failure is shown before it is explained.
     let flushed = out.flush().map_err(Stop::from);

@@ -22,23 +22,48 @@ use std::time::UNIX_EPOCH;
 /// When there is neither and `FIELDWALK_REQUIRE_DATA=1`, and when the archive cannot be unpacked.
 pub fn ilc_floor(floor: &str) -> Option<PathBuf> {
     let wanted = format!("ilc floor {floor}");
+    let sought = format!("neither ilc/site1-{floor}.tar.xz nor ilc/site1/{floor}");
+    find(&wanted, &sought, |recordings, cache| find_ilc_floor(recordings, cache, floor))
+}
+
+/// The folder of the attitude benchmark of Inria Tyrex: it holds `android/`, `ios/` and `qualisys/`.
+///
+/// Read from `$FIELDWALK_DATA/tyrex-attitude.tar.xz`, or from the folder `$FIELDWALK_DATA/tyrex-attitude` where there
+/// is no archive. `None` when there is neither; the test then returns early.
+///
+/// # Panics
+/// When there is neither and `FIELDWALK_REQUIRE_DATA=1`, and when the archive cannot be unpacked.
+pub fn tyrex_attitude() -> Option<PathBuf> {
+    find("tyrex-attitude", "neither tyrex-attitude.tar.xz nor tyrex-attitude", |recordings, cache| {
+        find_archive(recordings, cache, "tyrex-attitude")
+    })
+}
+
+fn find(
+    wanted: &str,
+    sought: &str,
+    search: impl FnOnce(&Path, &Path) -> io::Result<Option<PathBuf>>,
+) -> Option<PathBuf> {
     let Some(recordings) = std::env::var_os("FIELDWALK_DATA") else {
-        return missing(
-            &wanted,
-            "FIELDWALK_DATA is not set; set it to the folder that holds ilc/site1-F1.tar.xz",
-        );
+        return missing(wanted, "FIELDWALK_DATA is not set; set it to the folder that holds the recordings");
     };
     let recordings = workspace().join(recordings);
-    match find_ilc_floor(&recordings, &cache_folder(), floor) {
+    match search(&recordings, &cache_folder()) {
         Ok(Some(folder)) => Some(folder),
-        Ok(None) => {
-            let recordings = recordings.display();
-            missing(
-                &wanted,
-                &format!("{recordings} has neither ilc/site1-{floor}.tar.xz nor ilc/site1/{floor}"),
-            )
-        }
-        Err(error) => fail(&wanted, &error.to_string()),
+        Ok(None) => missing(wanted, &format!("{} has {sought}", recordings.display())),
+        Err(error) => fail(wanted, &error.to_string()),
+    }
+}
+
+/// The folder `name` of the archive `name.tar.xz`, or else beside the archives.
+fn find_archive(recordings: &Path, cache: &Path, name: &str) -> io::Result<Option<PathBuf>> {
+    let archive = recordings.join(format!("{name}.tar.xz"));
+    let is_archived = archive.is_file();
+    let folder = if is_archived { unpacked(&archive, cache)?.join(name) } else { recordings.join(name) };
+    match folder.is_dir() {
+        true => Ok(Some(folder)),
+        false if is_archived => Err(io::Error::other(format!("{} holds no {name}", archive.display()))),
+        false => Ok(None),
     }
 }
 
