@@ -1,5 +1,7 @@
 //! What can be asked for on the command line.
 
+mod import;
+mod simulate;
 mod values;
 
 use std::path::PathBuf;
@@ -9,7 +11,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use fieldwalk::system::Recipe;
 
 use crate::evaluation::{N_FOLDS, Start};
+use crate::floors::Layout;
 
+pub use import::ImportArguments;
+pub use simulate::{SimulateArguments, scenario};
 pub use values::{ReplayStart, Seeds};
 
 const EXIT_CODES: &str = "\
@@ -34,6 +39,8 @@ pub enum Command {
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
     Train(TrainArguments),
+    Import(ImportArguments),
+    Simulate(SimulateArguments),
 }
 
 /// Survey a simulated office and position walks in it: needs no recording.
@@ -61,7 +68,8 @@ pub struct DemoArguments {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000))]
     pub walks: u32,
 
-    /// Where office.map and office.geojson, its plan, go: a folder, made if need be; those that are there are replaced.
+    /// Where office.map, office.geojson, its plan, and test-01.mcap, one of the walks, go: a folder, made if need be; those
+    /// that are there are replaced.
     #[arg(long, value_name = "DIR", default_value = "fieldwalk-demo")]
     pub out: PathBuf,
 
@@ -70,27 +78,13 @@ pub struct DemoArguments {
     pub json: bool,
 }
 
-/// The layouts of folders that are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Layout {
-    /// indoor-location-competition-20: floor_info.json, geojson_map.json, and traces/ or path_data_files/.
-    Ilc,
-}
-
-impl Layout {
-    /// Its name, in arguments and in rows.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ilc => "ilc",
-        }
-    }
-}
-
-/// What is scored, and on which recordings.
+/// What is scored, and how its folders are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Dataset {
     /// indoor-location-competition-20: whole systems, in metres.
     Ilc,
+    /// Recordings of one's own (see `fieldwalk survey --help`): whole systems, in metres.
+    Recordings,
     /// The Oxford step-counting collection: step detectors.
     OxfordSteps,
     /// The attitude benchmark of Tyrex: attitude and heading.
@@ -109,19 +103,33 @@ Examples:
   fieldwalk survey site1/F1 --fold 0 --out honest.map
       # a map that has not seen the walks of fold 0: replay those on it
 
+Layouts:
+  recordings   plan.geojson, a GeoJSON plan; and logs with waypoints in survey/
+               (or, where there is none, beside the plan): *.mcap, *.txt, *.json,
+               folders of Sensor Logger. Logs in test/ are left for `evaluate` and
+               `replay`. A floor is called as its folder; if that is no floor's name,
+               F1.
+  ilc          indoor-location-competition-20: floor_info.json, geojson_map.json,
+               and traces/ or path_data_files/.
+
 See `fieldwalk --help` for the exit codes.")]
 pub struct SurveyArguments {
     /// Floors: their folders, or folders that hold such folders.
     #[arg(value_name = "DIR", required = true)]
     pub dirs: Vec<PathBuf>,
 
-    /// How the folders are laid out.
-    #[arg(long, alias = "dataset", value_name = "LAYOUT", default_value = "ilc")]
-    pub dataset_layout: Layout,
+    /// How the folders are laid out: `recordings` or `ilc` [default: by what they hold].
+    #[arg(long, aliases = ["dataset", "dataset-layout"], value_name = "LAYOUT")]
+    pub layout: Option<Layout>,
 
     /// The map: a folder, made if need be; a map that is there is replaced.
     #[arg(long, value_name = "MAPDIR")]
     pub out: PathBuf,
+
+    /// Where the pictures go, an SVG file a floor such as mall-F1-survey.svg: a folder, made if need be [default: beside
+    /// the map].
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
 
     /// The building's name [default: the name of the folder that holds the floors].
     #[arg(long)]
@@ -160,8 +168,9 @@ pub struct ReplayArguments {
     #[arg(value_name = "MAPDIR")]
     pub map: PathBuf,
 
-    /// Recordings: text traces of indoor-location-competition-20.
-    #[arg(value_name = "TRACE", required = true)]
+    /// Recordings of any format: MCAP, text traces of indoor-location-competition-20, logs of GetSensorData, exports of
+    /// Sensor Logger.
+    #[arg(value_name = "LOG", required = true)]
     pub traces: Vec<PathBuf>,
 
     /// The floor by name; may be left out when the building has one.
@@ -197,7 +206,8 @@ pub struct ReplayArguments {
 ///
 /// Per floor, one map is built from the survey walks, and every system is scored on the test walks, which the map has
 /// not seen. A walk is a test walk of fold K (0 to 3) when the two low bits of the last byte of SHA-1(file name) equal
-/// K, so that each walk is a test walk of exactly one of four folds.
+/// K, so that each walk is a test walk of exactly one of four folds. Where a floor has a folder test/, its walks are the
+/// test walks instead, and all others survey.
 ///
 /// Scored are the fixes at every waypoint but the first ("waypoint"), and midway in time between two waypoints
 /// ("midpoint"), the truth there being interpolated over the steps made.
@@ -235,6 +245,8 @@ JSON for the others: one object a subset (\"all\": pooled), system and metric.
                       once a second of the capture; UFH is what the trials of
                       texting hold, upward nothing else. The same with
                       _captured take the screen's side from the capture.
+                      auc_forward_turned: the trials of texting against themselves
+                      with the phone turned in quarters.
                       ufh_correct_percent, carry_mode_correct_percent: share of
                       right decisions. Systems: `printed`, the paper's table
                       stride by stride; `trained`, a table of one half of the
@@ -247,9 +259,10 @@ pub struct EvaluateArguments {
     #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
     pub dirs: Vec<PathBuf>,
 
-    /// The recordings, which say what is scored; the other arguments but --table and --json are for ilc.
-    #[arg(long, alias = "dataset-layout", value_name = "NAME", default_value = "ilc")]
-    pub dataset: Dataset,
+    /// The recordings, which say what is scored; the other arguments but --table and --json are for ilc and recordings
+    /// [default: ilc or recordings, by what the folders hold].
+    #[arg(long, aliases = ["layout", "dataset-layout"], value_name = "NAME")]
+    pub dataset: Option<Dataset>,
 
     /// The systems, separated by commas [default: all].
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = PossibleValuesParser::new(Recipe::NAMES))]

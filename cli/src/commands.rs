@@ -2,6 +2,8 @@
 
 pub mod demo;
 pub mod evaluate;
+pub mod import;
 pub mod replay;
+pub mod simulate;
 pub mod survey;
 pub mod train;

@@ -1,12 +1,25 @@
-//! Which floors some folders hold, and what to call them.
+//! Which floors some folders hold, what to call them, and their plans and walks.
 
-use std::fs;
+mod folder;
+
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use fieldwalk_formats::FormatError;
 
-/// Any of these makes a folder a floor's; what then is missing is for the reader to say.
-const FLOOR_MARKS: [&str; 4] = ["floor_info.json", "geojson_map.json", "path_data_files", "traces"];
+pub use folder::Floor;
+
+/// How the folders of floors are laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// The layout of indoor-location-competition-20.
+    Ilc,
+    /// The layout for recordings of one's own: `plan.geojson`, and logs beside it or in `survey/` and `test/`.
+    Recordings,
+}
+
+/// The file that makes a folder a floor's in the layout for recordings.
+pub const PLAN_FILE: &str = "plan.geojson";
 
 /// A floor's folder and what to call it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,10 +34,10 @@ pub struct FoundFloor {
 ///
 /// # Errors
 /// When a folder cannot be read or holds no floor.
-pub fn find_floors(dirs: &[PathBuf]) -> Result<Vec<FoundFloor>, FormatError> {
+pub fn find_floors(dirs: &[PathBuf], layout: Layout) -> Result<Vec<FoundFloor>, FormatError> {
     let mut found: Vec<(PathBuf, PathBuf)> = Vec::new();
     for dir in dirs {
-        for floor in floors_in(dir)? {
+        for floor in floors_in(dir, layout)? {
             let absolute =
                 floor.canonicalize().map_err(|error| FormatError::io("open the floor", &floor, error))?;
             if found.iter().all(|(known, _)| *known != absolute) {
@@ -38,25 +51,64 @@ pub fn find_floors(dirs: &[PathBuf]) -> Result<Vec<FoundFloor>, FormatError> {
     Ok(floors.collect())
 }
 
-fn floors_in(dir: &Path) -> Result<Vec<PathBuf>, FormatError> {
-    let entries = || fs::read_dir(dir)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>();
-    let mut below = entries().map_err(|error| FormatError::io("open the folder", dir, error))?;
-    below.retain(|path| path.is_dir() && is_floor(path));
+fn floors_in(dir: &Path, layout: Layout) -> Result<Vec<PathBuf>, FormatError> {
+    let mut below = folders_in(dir).map_err(|error| FormatError::io("open the folder", dir, error))?;
+    below.retain(|path| layout.is_floor(path));
     below.sort();
     // A site's folder may lie about marks of its own: floors below it go first.
-    match (below.is_empty(), is_floor(dir)) {
+    match (below.is_empty(), layout.is_floor(dir)) {
         (false, _) => Ok(below),
         (true, true) => Ok(vec![dir.into()]),
-        (true, false) => Err(FormatError::malformed(
-            "no floor here",
-            "give a floor's folder, with floor_info.json, geojson_map.json and traces/ or path_data_files/, or a folder of such folders",
-        )
-        .at_path(dir)),
+        (true, false) => Err(FormatError::malformed("no floor here", layout.remedy()).at_path(dir)),
     }
 }
 
-fn is_floor(dir: &Path) -> bool {
-    FLOOR_MARKS.iter().any(|mark| dir.join(mark).exists())
+fn folders_in(dir: &Path) -> io::Result<Vec<PathBuf>> {
+    let paths: Vec<PathBuf> = fs::read_dir(dir)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+    Ok(paths.into_iter().filter(|path| path.is_dir()).collect())
+}
+
+impl Layout {
+    /// Its name, in arguments and in rows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ilc => "ilc",
+            Self::Recordings => "recordings",
+        }
+    }
+
+    /// The layout of `dirs`, by the plans that lie in them or in the folders below.
+    pub fn of(dirs: &[PathBuf]) -> Self {
+        let has_plan = |dir: &PathBuf| {
+            Self::Recordings.is_floor(dir)
+                || folders_in(dir).is_ok_and(|below| below.iter().any(|dir| Self::Recordings.is_floor(dir)))
+        };
+        if dirs.iter().any(has_plan) { Self::Recordings } else { Self::Ilc }
+    }
+
+    fn is_floor(self, dir: &Path) -> bool {
+        self.marks().iter().any(|mark| dir.join(mark).exists())
+    }
+
+    /// Any of these makes a folder a floor's; what then is missing is for the reader to say.
+    fn marks(self) -> &'static [&'static str] {
+        match self {
+            Self::Ilc => &["floor_info.json", "geojson_map.json", "path_data_files", "traces"],
+            Self::Recordings => &[PLAN_FILE],
+        }
+    }
+
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Ilc => {
+                "give a floor's folder, with floor_info.json, geojson_map.json and traces/ or path_data_files/, or one \
+                 with plan.geojson and recordings, or a folder of such folders"
+            }
+            Self::Recordings => {
+                "give a floor's folder, with plan.geojson and recordings, or a folder of such folders"
+            }
+        }
+    }
 }
 
 /// As many of the last folders of `path` as set it apart from all others of the same name.

@@ -11,8 +11,9 @@ mod commands;
 mod error_table;
 pub mod evaluation;
 pub mod floors;
-mod in_order;
+pub mod plot;
 mod progress;
+mod simulated;
 mod stop;
 mod table;
 pub mod walker_evaluation;
@@ -38,6 +39,8 @@ pub fn run() -> ExitCode {
         Command::Train(TrainArguments { part: TrainedPart::Attitude(arguments) }) => {
             commands::train::attitude(arguments, &mut out)
         }
+        Command::Import(arguments) => commands::import::run(arguments, &mut out),
+        Command::Simulate(arguments) => commands::simulate::run(arguments, &mut out),
     };
     // What was written before a failure is shown before it is explained.
     let flushed = out.flush().map_err(Stop::from);

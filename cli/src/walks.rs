@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use fieldwalk::floor_plan::Georeference;
 use fieldwalk::survey::{SurveyWalk, Waypoint};
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::{LineRejections, TraceReader};
-use fieldwalk_formats::recording::Record;
-
-use crate::in_order::InOrder;
+use fieldwalk_formats::ilc::LineRejections;
+use fieldwalk_formats::recording::{InOrder, Losses, Record, RecordSource, open_recording_on};
 
 /// A walk, condensed, and what its file had that is no record.
 #[derive(Clone, Debug)]
@@ -16,35 +15,66 @@ pub struct ReadWalk {
     pub path: PathBuf,
     /// What the walk says.
     pub walk: SurveyWalk,
-    /// The lines that were not understood.
+    /// The floor that the log says it was taken on.
+    pub floor_name: Option<String>,
+    /// What the log did not give.
+    pub losses: Losses,
+    /// Of a text log, the lines that were not understood.
     pub lines: LineRejections,
 }
 
 impl ReadWalk {
-    /// Reads the trace at `path` as a stream, in order of time.
+    /// Reads the log at `path`, of any format, as a stream, in order of time. Waypoints in degrees are placed on the
+    /// floor at `georeference`.
     ///
     /// # Errors
-    /// When the file cannot be read or is no trace.
-    pub fn open(path: &Path) -> Result<Self, FormatError> {
-        Self::open_with(path, |_| ())
+    /// When the file cannot be read or is no log, and when it has waypoints in degrees and there is no georeference.
+    pub fn open(path: &Path, georeference: Option<Georeference>) -> Result<Self, FormatError> {
+        Self::open_with(path, georeference, |_| ())
     }
 
     /// As [`ReadWalk::open`], showing every record to `inspect` as well, in order of time.
     ///
     /// # Errors
-    /// When the file cannot be read or is no trace.
-    pub fn open_with(path: &Path, mut inspect: impl FnMut(&Record)) -> Result<Self, FormatError> {
+    /// As [`ReadWalk::open`].
+    pub fn open_with(
+        path: &Path,
+        georeference: Option<Georeference>,
+        mut inspect: impl FnMut(&Record),
+    ) -> Result<Self, FormatError> {
         let mut walk = SurveyWalk::new(path.display().to_string());
-        let mut reader = TraceReader::open(path)?;
-        for record in InOrder::new(reader.by_ref()) {
+        let mut log = InOrder::new(open_recording_on(path, georeference)?);
+        while let Some(record) = log.next() {
             let record = record?;
             inspect(&record);
             match record {
                 Record::Sample(sample) => walk.push(&sample),
-                Record::Waypoint { time, point } => walk.push_waypoint(Waypoint { time, point }),
+                Record::Waypoint { time, point } => {
+                    check_frame(&**log.source(), path)?;
+                    walk.push_waypoint(Waypoint { time, point });
+                }
             }
         }
         walk.finish();
-        Ok(Self { path: path.into(), walk, lines: reader.rejections().clone() })
+        let source = log.source();
+        Ok(Self {
+            path: path.into(),
+            walk,
+            floor_name: source.floor_name().map(String::from),
+            losses: source.losses(),
+            lines: source.line_rejections().cloned().unwrap_or_default(),
+        })
     }
+}
+
+/// Refuses waypoints that cannot be placed on the floor: they would look plausible and be wrong.
+pub fn check_frame(log: &dyn RecordSource, path: &Path) -> Result<(), FormatError> {
+    if log.is_in_floor_frame() {
+        return Ok(());
+    }
+    Err(FormatError::malformed(
+        "its waypoints are in degrees, and the floor's plan has no georeference",
+        "draw the plan in longitude and latitude, or give it a `georeference`",
+    )
+    .at_path(path))
 }

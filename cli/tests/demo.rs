@@ -57,6 +57,10 @@ fn a_demo_prints_a_table_and_where_the_map_is() {
     {
         assert!(table.contains(said), "`{said}` is missing: {table}");
     }
+    // The command that it proposes works, and finds the walk's start in the recording.
+    let command = table.lines().find_map(|line| line.split_once(": fieldwalk ")).unwrap().1;
+    let replay = succeed(&command.split_whitespace().collect::<Vec<_>>());
+    assert!(replay.contains("start given") && replay.contains("error at "), "{replay}");
     let last = table.lines().last().unwrap();
     assert!(last.starts_with(&format!("The map is in {}", out.join("office.map").display())), "{last}");
 }

@@ -207,7 +207,7 @@ fn wrong_arguments_exit_with_2() {
     fail(&["evaluate", "F1", "--systems", "fusd"], 2, &["fusd", "dead-reckoning, mass-centered, fused"]);
     fail(&["evaluate", "F1", "--seeds", "5..1"], 2, &["--seeds", "is empty"]);
     fail(&["evaluate", "F1", "--start", "warm"], 2, &["--start", "known:2"]);
-    fail(&["evaluate", "F1", "--dataset", "uji"], 2, &["--dataset", "ilc"]);
+    fail(&["evaluate", "F1", "--layout", "uji"], 2, &["--dataset", "ilc"]);
     fail(&["evaluate", "/nonexistent/F1"], 1, &["/nonexistent/F1: cannot open", "check the path"]);
 }
 

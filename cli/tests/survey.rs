@@ -18,7 +18,11 @@ fn a_survey_writes_a_map_and_says_what_it_is_worth() {
     assert!(table.contains("mall: map in ") && table.contains(" F1 ") && table.contains(" F2 "), "{table}");
     assert!(map.join("building.json").is_file() && map.join("F2.safetensors").is_file());
 
-    let json = succeed(&["survey", text(&site), "--out", text(&map), "--json"]);
+    assert!(site.join("map-F1-survey.svg").is_file() && table.contains("map-F2-survey.svg"), "{table}");
+
+    let pictures = site.join("made for/pictures");
+    let json =
+        succeed(&["survey", text(&site), "--out", text(&map), "--pictures", text(&pictures), "--json"]);
     let floors: Vec<Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let [first, second] = &floors[..] else { panic!("{json}") };
     assert_eq!(
@@ -27,6 +31,11 @@ fn a_survey_writes_a_map_and_says_what_it_is_worth() {
     );
     assert_eq!(first["file_bytes"], fs::metadata(map.join("F1.safetensors")).unwrap().len());
     assert_eq!(first["n_transmitters"], 3);
+    let picture = fs::read_to_string(first["picture"].as_str().unwrap()).unwrap();
+    assert_eq!(first["picture"], text(&pictures.join("map-F1-survey.svg")));
+    let document = roxmltree::Document::parse(&picture).unwrap();
+    let n_lines = document.descendants().filter(|node| node.attribute("class") == Some("fw-walk")).count();
+    assert!(n_lines == 8 && picture.contains("(48 waypoints)"), "{n_lines} lines");
     let number = |key: &str| first[key].as_f64().unwrap();
     // 8 walks of 6 lines of 14 m at 1.8 steps in 1.2 m; 400 m² without the shop's 64 m², all near the loop.
     assert!((number("route_m") - 672.0).abs() < 1e-6, "{first}");
@@ -89,7 +98,11 @@ fn a_survey_without_usable_walks_says_so_and_writes_nothing() {
     let site = folder("survey_empty");
     let map = site.join("map");
     let empty = write_floor(&site, "F1", 0);
-    fail(&["survey", text(&empty), "--out", text(&map)], 1, &["F1: no walk to survey with", "put traces"]);
+    fail(
+        &["survey", text(&empty), "--out", text(&map)],
+        1,
+        &["F1: no walk to survey with", "put recordings"],
+    );
     let foreign = write_floor(&site, "F2", 1);
     fs::write(trace(&foreign, 0), "name,value\n1,2\n").unwrap();
     let said =

@@ -10,7 +10,7 @@ mod table;
 use serde::{Deserialize, Serialize};
 
 use crate::gravity::STANDARD_GRAVITY_M_S2;
-use crate::step::StepCycle;
+use crate::step::StepFinding;
 use crate::time::Timestamp;
 
 pub use carry::{CarryEvidence, CarryMode, CarryParams};
@@ -181,9 +181,15 @@ impl AttitudeDetector {
         self.judge(time);
     }
 
-    /// Takes in a step that was just found; returns the stride that it completes, if it does.
-    pub fn push_step(&mut self, cycle: &StepCycle) -> Option<Stride> {
-        let stride = self.cutter.push_step(cycle)?;
+    /// Takes in what a step detector has just found; returns the stride that it completes, if it does.
+    ///
+    /// A peak that may yet be none of a walk only marks where a stride can begin.
+    pub fn push_step(&mut self, finding: &StepFinding) -> Option<Stride> {
+        if finding.is_stride {
+            // The peaks of a limb say nothing of the steps in between.
+            return None;
+        }
+        let stride = self.cutter.push_step(&finding.cycle).filter(|_| finding.is_confirmed)?;
         self.last_stride = Some(stride);
         let params = &self.params;
         if stride.mean_m_s2[2] > params.upward_g * STANDARD_GRAVITY_M_S2 {
@@ -252,5 +258,176 @@ impl AttitudeDetector {
         self.is_level = incline < params.level_share - stays(self.is_level, params.level_band);
         self.is_forward = self.pointing[0] > 0.5 + stays(self.is_forward, params.forward_band);
         self.carry.judge(now, self.is_upward, &params.carry);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::step::StepCycle;
+    use crate::time::Duration;
+    use core::f64::consts::TAU;
+
+    /// A walk of two steps a second at 100 Hz; `force` gives x, y and z in m/s² from the time in seconds, in cycles a
+    /// second; the vertical peaks with every half second.
+    fn walk(
+        detector: &mut AttitudeDetector,
+        from_s: i64,
+        seconds: i64,
+        force: impl Fn(f64) -> [f64; 3],
+    ) -> Vec<AttitudeEstimate> {
+        let mut estimates = Vec::new();
+        for k in 100 * from_s..100 * (from_s + seconds) {
+            let time = Timestamp::from_millis(10 * k);
+            let t = 0.01 * k as f64;
+            let vertical = (9.81 + 3.0 * libm::cos(TAU * 2.0 * t)) as f32;
+            detector.push_force(time, force(t).map(|c| c as f32), vertical);
+            if k % 50 == 12 && k > 100 * from_s + 50 {
+                let end = Timestamp::from_millis(10 * k - 100);
+                let start = end - Duration::from_millis(500);
+                detector.push_step(&StepFinding {
+                    cycle: StepCycle { start, end, frequency_hz: 2.0, amplitude_m_s2: 6.0, is_first: false },
+                    is_stride: false,
+                    n_held: 0,
+                    is_confirmed: true,
+                    starts_walk: false,
+                });
+            }
+            estimates.push(detector.estimate());
+        }
+        estimates
+    }
+
+    /// Held level with the top edge ahead: the late peak along y, the tilt to the eyes, the sway of the stride along x.
+    fn ahead(t: f64) -> [f64; 3] {
+        [
+            libm::sin(TAU * t),
+            1.5 + 1.5 * libm::cos(TAU * (2.0 * t - 0.75)),
+            9.6 + 3.0 * libm::cos(TAU * 2.0 * t),
+        ]
+    }
+
+    /// The same with the top edge to the left.
+    fn leftward(t: f64) -> [f64; 3] {
+        let [x, y, z] = ahead(t);
+        [y, -x, z]
+    }
+
+    fn detector() -> AttitudeDetector {
+        AttitudeDetector::new(AttitudeParams::default())
+    }
+
+    #[test]
+    fn strides_tell_the_edge_that_points_ahead() {
+        for params in [AttitudeParams::default(), AttitudeParams::printed()] {
+            let mut detector = AttitudeDetector::new(params);
+            let held_ahead = walk(&mut detector, 0, 10, ahead)[999];
+            assert_eq!(held_ahead.attitude, Attitude::UpwardForwardHorizontal);
+            assert!(held_ahead.p_forward > 0.95 && held_ahead.ufh_score > 0.9, "{held_ahead:?}");
+            assert!((held_ahead.upward_g - 9.6 / STANDARD_GRAVITY_M_S2).abs() < 0.02, "{held_ahead:?}");
+            let turned = walk(&mut detector, 10, 10, leftward)[999];
+            assert_eq!(turned.attitude, Attitude::UpwardNotForward);
+            assert!(turned.p_forward < 0.05 && !turned.attitude.points_ahead(), "{turned:?}");
+        }
+    }
+
+    #[test]
+    fn the_paper_judges_every_stride_by_itself() {
+        let mut detector = AttitudeDetector::new(AttitudeParams::printed());
+        // No sway at all: E1 and E2 without E3, as in a turn, whatever was before.
+        let swayless = |t: f64| {
+            let [_, y, z] = ahead(t);
+            [0.3 * libm::sin(TAU * 2.0 * t), y, z]
+        };
+        walk(&mut detector, 0, 10, ahead);
+        let estimate = walk(&mut detector, 10, 5, swayless)[499];
+        assert!((estimate.p_forward - 0.0633).abs() < 1e-3, "{estimate:?}");
+        let mut remembering = self::detector();
+        walk(&mut remembering, 0, 10, ahead);
+        assert!(walk(&mut remembering, 10, 2, swayless)[199].attitude.points_ahead());
+    }
+
+    #[test]
+    fn the_incline_is_the_angle_of_the_summed_force() {
+        // 45°: beyond 36°, and upward since cos 45° > 0.6.
+        let inclined = |t: f64| {
+            let [x, y, z] = ahead(t);
+            let (c, s) = (0.5f64.sqrt(), 0.5f64.sqrt());
+            [x, c * y + s * z - 0.5, c * z - s * y + 1.06]
+        };
+        let estimate = walk(&mut detector(), 0, 10, inclined)[999];
+        assert_eq!(estimate.attitude, Attitude::UpwardForwardInclined);
+        assert!((estimate.incline_rad.to_degrees() - 45.0).abs() < 3.0, "{estimate:?}");
+        assert!(estimate.attitude.points_ahead() && !estimate.attitude.allows_magnetic_direction());
+    }
+
+    #[test]
+    fn gravity_alone_answers_when_nobody_walks() {
+        let mut detector = detector();
+        assert_eq!(detector.estimate(), AttitudeEstimate::default());
+        for k in 0..300 {
+            detector.push_force(Timestamp::from_millis(10 * k), [0.0, 1.0, 9.75], 9.8);
+        }
+        let level = detector.estimate();
+        // Held forward is what is expected before any stride.
+        assert_eq!(level.attitude, Attitude::UpwardForwardHorizontal);
+        assert!((level.p_forward - 0.7).abs() < 1e-6);
+        for k in 300..900 {
+            detector.push_force(Timestamp::from_millis(10 * k), [0.0, 1.0, -9.75], 9.8);
+        }
+        let face_down = detector.estimate();
+        assert_eq!(face_down.attitude, Attitude::NotUpward);
+        assert!(face_down.ufh_score < 0.01 && face_down.upward_g < -0.9, "{face_down:?}");
+    }
+
+    #[test]
+    fn answers_stand_within_the_band() {
+        let mut detector = detector();
+        let mut hold = |from_s: i64, upward_g: f64| {
+            let z = upward_g * 9.806_65;
+            let side = (9.806_65f64 * 9.806_65 - z * z).sqrt();
+            for k in 100 * from_s..100 * (from_s + 8) {
+                let time = Timestamp::from_millis(10 * k);
+                detector.push_force(time, [0.0, side as f32, z as f32], 9.81);
+            }
+            detector.estimate().attitude.is_upward()
+        };
+        // The threshold is 0.6, the band 0.55 to 0.65.
+        let answers = [0.5, 0.62, 0.68, 0.58, 0.62, 0.52, 0.58].map(|g| g);
+        let seen: Vec<bool> = answers.iter().enumerate().map(|(k, &g)| hold(8 * k as i64, g)).collect();
+        assert_eq!(seen, [false, false, true, true, true, false, false]);
+    }
+
+    #[test]
+    fn every_answer_is_a_number_whatever_comes() {
+        let mut detector = detector();
+        let numbers = [f32::NAN, f32::INFINITY, -1e30, 0.0, 9.81, 2_000.0];
+        for k in 0..2_000usize {
+            let pick = |n: usize| numbers[(k / n) % numbers.len()];
+            // Clocks that stop, jump and go backwards.
+            let time = Timestamp::from_nanos((k as i64 * 7_919_000_017) % 20_000_000_000);
+            detector.push_rate(time, [pick(2), pick(3), pick(5)]);
+            detector.push_force(time, [pick(3), pick(7), pick(1)], pick(2));
+            let cycle = StepCycle {
+                start: time - Duration::from_millis(500),
+                end: time,
+                frequency_hz: 2.0,
+                amplitude_m_s2: pick(1),
+                is_first: k % 9 == 0,
+            };
+            detector.push_step(&StepFinding {
+                cycle,
+                is_stride: k % 5 == 0,
+                n_held: 0,
+                is_confirmed: k % 3 == 0,
+                starts_walk: false,
+            });
+            let said = detector.estimate();
+            assert!(
+                (0.0..=1.0).contains(&said.p_forward) && (0.0..=1.0).contains(&said.ufh_score),
+                "{said:?}"
+            );
+            assert!((0.0..=3.2).contains(&said.incline_rad) && said.upward_g.is_finite(), "{said:?}");
+        }
     }
 }

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::attitude::{AttitudeDetector, AttitudeEstimate, AttitudeParams, Stride};
-use crate::gravity::{LevelEstimator, LevelParams, STANDARD_GRAVITY_M_S2};
+use crate::gravity::{LevelEstimator, LevelParams};
 use crate::magnetic::feature::LevelField;
 use crate::sensor::{Reading, Sample};
-use crate::step::{PhoneStepDetector, PhoneStepParams, StepCycle};
+use crate::step::{PhoneStepDetector, PhoneStepParams, StepCycle, StepDetector as _, StepQueue};
 use crate::time::Timestamp;
 
 /// A step with all that the sensors said during it.
@@ -51,6 +51,8 @@ pub struct Pedestrian {
     attitude: AttitudeDetector,
     magnetometer: Magnetometer,
     sums: StepSums,
+    /// Steps held back, and those that count and have not been handed out.
+    steps: StepQueue<StepFeatures>,
     last_forward: [f32; 2],
 }
 
@@ -76,6 +78,15 @@ struct StepSums {
     forward_field_ut: [f32; 3],
 }
 
+/// What was measured during a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct StepFeatures {
+    level_heading_rad: f32,
+    forward_field: Option<LevelField>,
+    end_strength_ut: Option<f32>,
+    attitude: AttitudeEstimate,
+}
+
 impl Pedestrian {
     /// A pedestrian of whom nothing is known.
     pub fn new(params: PedestrianParams) -> Self {
@@ -85,18 +96,21 @@ impl Pedestrian {
             attitude: AttitudeDetector::new(params.attitude),
             magnetometer: Magnetometer::default(),
             sums: StepSums::default(),
+            steps: StepQueue::new(),
             last_forward: [0.0, 1.0],
         }
     }
 
-    /// Consumes a sample (in order of time); returns the step that it completes, if any.
+    /// Consumes a sample (in order of time); returns the next step that counts, if any.
+    ///
+    /// When a walk begins, its first steps are held back until it is one: they come together then, one a sample.
     pub fn push(&mut self, sample: &Sample) -> Option<StepEvent> {
         match sample.reading {
             Reading::AngularRate(rate) => {
                 self.level.push_angular_rate(sample.time, rate);
                 self.attitude.push_rate(sample.time, rate);
             }
-            Reading::SpecificForce(force) => return self.push_force(sample.time, force),
+            Reading::SpecificForce(force) => self.push_force(sample.time, force),
             Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
                 let bias = *self.magnetometer.bias_ut.get_or_insert(bias_ut);
                 self.push_field(sample.time, [0, 1, 2].map(|c| field_ut[c] - bias[c]));
@@ -106,7 +120,7 @@ impl Pedestrian {
             }
             _ => {}
         }
-        None
+        self.steps.pop().map(|(cycle, features)| features.of_step(cycle))
     }
 
     /// How the phone is held now.
@@ -124,7 +138,7 @@ impl Pedestrian {
         libm::atan2f(self.last_forward[0], self.last_forward[1])
     }
 
-    fn push_force(&mut self, time: Timestamp, force: [f32; 3]) -> Option<StepEvent> {
+    fn push_force(&mut self, time: Timestamp, force: [f32; 3]) {
         let level_force = self.level.push_specific_force(time, force);
         if let Some(forward) = self.level.forward() {
             self.last_forward = forward;
@@ -133,14 +147,13 @@ impl Pedestrian {
             self.sums.forward[1] += forward[1];
         }
         self.attitude.push_force(time, force, level_force[2]);
-        let cycle = self.detector.push(time, level_force[2] - STANDARD_GRAVITY_M_S2)?;
-        self.attitude.push_step(&cycle);
-        let event = StepEvent {
-            attitude: self.attitude.estimate(),
-            ..self.sums.event(cycle, self.last_forward, self.magnetometer.smoothed_strength_ut)
-        };
+        let Some(finding) = self.detector.push(time, level_force) else { return };
+        self.attitude.push_step(&finding);
+        let attitude = self.attitude.estimate();
+        let features =
+            self.sums.features(self.last_forward, self.magnetometer.smoothed_strength_ut, attitude);
         self.sums = StepSums::default();
-        Some(event)
+        self.steps.push(&finding, features, self.detector.params().first_period_s);
     }
 
     fn push_field(&mut self, time: Timestamp, field_ut: [f32; 3]) {
@@ -162,16 +175,27 @@ impl Pedestrian {
 }
 
 impl StepSums {
-    fn event(&self, cycle: StepCycle, last_forward: [f32; 2], strength_ut: Option<f32>) -> StepEvent {
+    fn features(
+        &self,
+        last_forward: [f32; 2],
+        strength_ut: Option<f32>,
+        attitude: AttitudeEstimate,
+    ) -> StepFeatures {
         let forward = if self.n_forward > 0 { self.forward } else { last_forward };
         let mean = |sum: f32| sum / self.n_field as f32;
         let has_field = self.n_field > 0;
-        StepEvent {
-            cycle,
+        StepFeatures {
             level_heading_rad: libm::atan2f(forward[0], forward[1]),
             forward_field: has_field.then(|| LevelField { field_ut: self.forward_field_ut.map(mean) }),
             end_strength_ut: strength_ut.filter(|_| has_field),
-            attitude: AttitudeEstimate::default(),
+            attitude,
         }
+    }
+}
+
+impl StepFeatures {
+    fn of_step(self, cycle: StepCycle) -> StepEvent {
+        let Self { level_heading_rad, forward_field, end_strength_ut, attitude } = self;
+        StepEvent { cycle, level_heading_rad, forward_field, end_strength_ut, attitude }
     }
 }

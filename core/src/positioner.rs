@@ -1,6 +1,6 @@
 //! The facade: samples in, fixes out.
 
-mod fix;
+pub(crate) mod fix;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -45,11 +45,11 @@ pub enum PositionError {
     },
     /// The hint's point or radius is not finite, not positive, or off the plan by more than the radius.
     BadHint,
-    /// The asked time is before the last consumed sample.
+    /// The asked time is before the last consumed sample or the hint.
     TimeInPast {
         /// What was asked.
         asked: Timestamp,
-        /// The last consumed sample.
+        /// The last consumed sample, or a later hint.
         consumed: Timestamp,
     },
     /// Nothing is known yet: give a hint, or walk a step.
@@ -69,7 +69,7 @@ impl core::fmt::Display for PositionError {
                 let behind_ms = (*consumed - *asked).as_nanos() / 1_000_000;
                 write!(
                     f,
-                    "asked for a time {behind_ms} ms before the last consumed sample: ask for now or later"
+                    "asked for a time {behind_ms} ms before the last consumed sample or hint: ask for now or later"
                 )
             }
             Self::NoFix => write!(f, "no position yet: give a hint, or let the wearer walk a few steps"),
@@ -190,9 +190,10 @@ impl Positioner {
     /// The fix at `time`, the open step extrapolated; draws nothing and changes nothing.
     ///
     /// # Errors
-    /// [`PositionError::TimeInPast`] before the last consumed sample, [`PositionError::NoFix`] before a start.
+    /// [`PositionError::TimeInPast`] before the last consumed sample or a later hint, [`PositionError::NoFix`] before a start.
     pub fn fix_at(&self, time: Timestamp) -> Result<Fix, PositionError> {
-        if let Some(consumed) = self.progress.last_consumed.filter(|&consumed| time < consumed) {
+        let last_heard = self.progress.last_consumed.max(self.progress.hint_time);
+        if let Some(consumed) = last_heard.filter(|&consumed| time < consumed) {
             return Err(PositionError::TimeInPast { asked: time, consumed });
         }
         let estimate = self.tracker.estimate().ok_or(PositionError::NoFix)?;
@@ -207,9 +208,20 @@ impl Positioner {
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
             attitude: self.pedestrian.attitude(),
-            last_heard: self.progress.last_consumed.max(self.progress.hint_time),
+            last_heard,
             time,
         }))
+    }
+
+    /// Each particle's place and weight, relative to the heaviest's: for displays that show what the filter weighs.
+    ///
+    /// They stand where the last step ended; none before a start. Their number and order mean nothing.
+    pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> {
+        let particles = self.tracker.particles();
+        let places = particles.x_m.iter().zip(&particles.y_m);
+        places
+            .zip(&particles.log_weight)
+            .map(|((&x_m, &y_m), &log_weight)| (Point2::new(x_m.into(), y_m.into()), libm::expf(log_weight)))
     }
 
     /// What was refused so far, by cause.
@@ -287,5 +299,29 @@ impl Positioner {
             }
             None => self.progress.heard.push(Heard { transmitter, sum_dbm: rssi_dbm, n: 1 }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::floor_plan::FloorPlan;
+    use crate::map::FloorMap;
+
+    #[test]
+    fn particles_are_shown_where_the_hint_put_them() {
+        let plan = FloorPlan { width_m: 40.0, height_m: 25.0, ..FloorPlan::default() };
+        let floor = Arc::new(FloorIndex::new(FloorMap { plan, ..FloorMap::default() }));
+        let mut positioner = Positioner::new(floor, Recipe::fused(), 1);
+        assert_eq!(positioner.particles().len(), 0);
+        let point = Point2::new(12.0, 7.5);
+        let hint = PositionHint { point, radius_m: 1.5, floor: 0, time: Timestamp::from_millis(0) };
+        positioner.hint(hint).unwrap();
+        assert_eq!(positioner.particles().len(), Recipe::fused().n_particles);
+        let off = |(place, _): (Point2, f32)| place - point;
+        assert!(positioner.particles().map(off).all(|d| d.x_m.abs() <= 1.5001 && d.y_m.abs() <= 1.5001));
+        assert!(positioner.particles().map(off).any(|d| d.norm_m() > 1.0), "spread, not heaped");
+        let heaviest = positioner.particles().map(|(_, weight)| weight).fold(0.0, f32::max);
+        assert_eq!(heaviest, 1.0);
     }
 }

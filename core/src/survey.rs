@@ -6,14 +6,16 @@
 mod build;
 mod coverage;
 mod kriging;
+mod leave_one_out;
 mod radio;
 mod track;
 
 use serde::{Deserialize, Serialize};
 
 pub use build::{SurveyError, SurveyParams, build_floor};
-pub use coverage::{Coverage, leave_one_walk_out};
+pub use coverage::Coverage;
 pub use kriging::KrigingParams;
+pub use leave_one_out::LeaveOneOut;
 pub use track::{SurveyTrack, TrackStep};
 
 use crate::geometry::Point2;
@@ -34,6 +36,15 @@ pub struct Waypoint {
     pub point: Point2,
 }
 
+/// When a step became known: a positioner hears of it then, and not before.
+#[derive(Clone, Copy, Debug)]
+struct Completion {
+    /// Time of the latest sample by then.
+    time: Timestamp,
+    /// Sightings consumed by then.
+    n_sightings: usize,
+}
+
 /// One walk, condensed while it is recorded: its steps, its waypoints and what radio was heard.
 #[derive(Clone, Debug)]
 pub struct SurveyWalk {
@@ -41,6 +52,8 @@ pub struct SurveyWalk {
     pedestrian: Pedestrian,
     reorder: ReorderWindow,
     steps: Vec<StepEvent>,
+    /// Per step, when it became known.
+    completions: Vec<Completion>,
     waypoints: Vec<Waypoint>,
     n_refused_waypoints: u64,
     sightings: Vec<(Timestamp, RadioSighting)>,
@@ -54,6 +67,7 @@ impl SurveyWalk {
             pedestrian: Pedestrian::new(PedestrianParams::default()),
             reorder: ReorderWindow::new(DEFAULT_REORDER_WINDOW),
             steps: Vec::new(),
+            completions: Vec::new(),
             waypoints: Vec::new(),
             n_refused_waypoints: 0,
             sightings: Vec::new(),
@@ -69,7 +83,7 @@ impl SurveyWalk {
     pub fn push(&mut self, sample: &Sample) {
         self.reorder.push(sample);
         while let Some(next) = self.reorder.pop() {
-            self.consume(&next);
+            self.consume(&next, sample.time);
         }
     }
 
@@ -86,7 +100,7 @@ impl SurveyWalk {
     /// Consumes what still waits for late samples: the walk has ended.
     pub fn finish(&mut self) {
         while let Some(next) = self.reorder.pop_all() {
-            self.consume(&next);
+            self.consume(&next, next.time + DEFAULT_REORDER_WINDOW);
         }
     }
 
@@ -115,10 +129,13 @@ impl SurveyWalk {
         self.n_refused_waypoints
     }
 
-    fn consume(&mut self, sample: &Sample) {
+    fn consume(&mut self, sample: &Sample, known_at: Timestamp) {
         if let Reading::Radio(sighting) = sample.reading {
             self.sightings.push((sample.time, sighting));
         }
-        self.steps.extend(self.pedestrian.push(sample));
+        if let Some(step) = self.pedestrian.push(sample) {
+            self.steps.push(step);
+            self.completions.push(Completion { time: known_at, n_sightings: self.sightings.len() });
+        }
     }
 }

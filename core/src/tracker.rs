@@ -155,6 +155,11 @@ impl Tracker {
         self.state.estimate.as_ref()
     }
 
+    /// The particles as the last step left them; none before they have a place.
+    pub fn particles(&self) -> &Particles {
+        &self.state.particles
+    }
+
     /// Mean length of the latest step, in metres; 0 before the first.
     pub fn step_length_m(&self) -> f64 {
         self.state.step_length_m

@@ -44,6 +44,7 @@ pub struct GetSensorDataReader<R> {
     lines: TextLines<R>,
     name: PathBuf,
     georeference: Option<Georeference>,
+    is_in_floor_frame: bool,
     floor_name: Option<String>,
     has_valid_line: bool,
     is_done: bool,
@@ -78,6 +79,7 @@ impl<R: BufRead> GetSensorDataReader<R> {
             lines: TextLines::new(reader),
             name: name.into(),
             georeference: None,
+            is_in_floor_frame: false,
             floor_name: None,
             has_valid_line: false,
             is_done: false,
@@ -89,10 +91,19 @@ impl<R: BufRead> GetSensorDataReader<R> {
     #[must_use]
     pub fn with_georeference(mut self, georeference: Georeference) -> Self {
         self.georeference = Some(georeference);
+        self.is_in_floor_frame = true;
         self
     }
 
-    /// The floor of the first waypoint, by the number that the log gives it; known once that has been read.
+    /// Whether waypoints are in the frame of a georeferenced floor, not in metres from the first.
+    pub fn is_in_floor_frame(&self) -> bool {
+        self.is_in_floor_frame
+    }
+
+    /// The floor of the first waypoint; known once that has been read.
+    ///
+    /// The log numbers floors from the ground floor, 0; they are named so that
+    /// [`floor_ordinal`](crate::ilc::floor_ordinal) gives that number: `F1` is 0, `F2` is 1, `B1` is -1.
     pub fn floor_name(&self) -> Option<&str> {
         self.floor_name.as_deref()
     }
@@ -123,7 +134,10 @@ impl<R: BufRead> GetSensorDataReader<R> {
 
     fn waypoint(&mut self, position: Position) -> Record {
         let Position { time, latitude_deg, longitude_deg, floor } = position;
-        self.floor_name.get_or_insert_with(|| floor.to_string());
+        self.floor_name.get_or_insert_with(|| match floor {
+            0.. => format!("F{}", floor + 1),
+            _ => format!("B{}", -floor),
+        });
         let georeference = self.georeference.get_or_insert_with(|| {
             let [east_m, north_m] = metres_per_degree(latitude_deg);
             Georeference {

@@ -8,6 +8,6 @@ mod line;
 mod rejections;
 mod trace;
 
-pub use floor::{Floor, floor_ordinal};
+pub use floor::{Floor, floor_ordinal, is_floor_name};
 pub use rejections::{LineFault, LineRejections};
 pub use trace::TraceReader;

@@ -12,13 +12,14 @@
 //! * the metadata record `fieldwalk` before all chunks says `format_version`, `device`, `software`, `floor` and
 //!   `start_unix_ms`: see [`RecordingInfo`].
 //!
-//! [`RecordingWriter`] writes them live, [`RecordingReader`] streams them, and [`open_recording`] opens any log that
-//! this crate can read.
+//! [`RecordingWriter`] writes them live, [`RecordingReader`] streams them, [`open_recording`] opens any log that this
+//! crate can read, and [`InOrder`] puts its records in order of time.
 
 mod channel;
 mod chunk;
 mod declared;
 mod framing;
+mod in_order;
 mod info;
 mod losses;
 mod message;
@@ -30,9 +31,10 @@ use fieldwalk::geometry::Point2;
 use fieldwalk::sensor::Sample;
 use fieldwalk::time::Timestamp;
 
+pub use in_order::InOrder;
 pub use info::RecordingInfo;
 pub use losses::Losses;
-pub use open::{RecordSource, open_recording};
+pub use open::{RecordSource, open_recording, open_recording_on};
 pub use reader::RecordingReader;
 pub use writer::RecordingWriter;
 

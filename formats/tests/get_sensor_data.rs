@@ -86,7 +86,7 @@ fn a_georeference_puts_waypoints_on_the_floor() {
     });
     let point = first.expect("a waypoint");
     assert!((point.x_m - 10.5).abs() < 1e-6 && (point.y_m - 12.0).abs() < 1e-6, "{point:?}");
-    assert_eq!(reader.floor_name(), Some("0"));
+    assert_eq!(reader.floor_name(), Some("F1"));
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn a_log_is_opened_by_its_content() {
     std::fs::write(&path, LOG).unwrap();
     let mut log = fieldwalk_formats::open_recording(&path).unwrap();
     assert_eq!(log.by_ref().filter(Result::is_ok).count(), 9);
-    assert_eq!(log.floor_name(), Some("0"));
+    assert_eq!(log.floor_name(), Some("F1"));
     assert!(log.losses().is_none());
     std::fs::remove_file(&path).unwrap();
 }

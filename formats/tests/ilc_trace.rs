@@ -66,6 +66,8 @@ fn the_header_names_the_floor() {
     assert_eq!(reader.floor_name(), None, "nothing has been read");
     assert!(reader.next().unwrap().is_ok());
     assert_eq!(reader.floor_name(), Some("F1"));
+    let info = reader.info();
+    assert_eq!((info.device.as_str(), info.start_unix_ms), ("X Y", Some(1_600_000_000_000)));
 
     let waypoint = "1600000000003\tTYPE_WAYPOINT\t1\t2\n";
     for (header, name) in [

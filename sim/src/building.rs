@@ -1,10 +1,17 @@
 //! Named buildings: a floor plan, and what the plan does not draw (doors, columns, ceiling).
 
 mod grid;
+mod named;
+mod open;
 mod routes;
+mod stairs;
 
 pub use grid::{Aisle, GridBuilding};
+pub use open::OpenBuilding;
+pub(crate) use open::lanes;
 pub use routes::{Way, WayGraph, keeping_right};
+pub(crate) use stairs::GOING_M;
+pub use stairs::Stairs;
 
 use fieldwalk::floor_plan::{FloorPlan, Polygon};
 use fieldwalk::geometry::{Point2, Segment};
@@ -24,8 +31,12 @@ pub struct Building {
     pub columns: Vec<Point2>,
     /// Open halls that are crossed through their doors.
     pub halls: Vec<Rectangle>,
+    /// Rooms and squares that are walked in all directions.
+    pub squares: Vec<Rectangle>,
     /// Lift shafts.
     pub lifts: Vec<Rectangle>,
+    /// The stairs to the storey above, if there are any.
+    pub stairs: Option<Stairs>,
     /// From floor to ceiling, in metres.
     pub ceiling_m: f64,
     /// The ways that people take.
@@ -67,6 +78,11 @@ impl Rectangle {
         Self { low: Point2::new(x0_m, y0_m), high: Point2::new(x1_m, y1_m) }
     }
 
+    /// Whether `p` lies inside or on the edge.
+    pub fn contains(&self, p: Point2) -> bool {
+        (self.low.x_m..=self.high.x_m).contains(&p.x_m) && (self.low.y_m..=self.high.y_m).contains(&p.y_m)
+    }
+
     /// The middle.
     pub fn centre(&self) -> Point2 {
         self.low.lerp(self.high, 0.5)
@@ -85,16 +101,6 @@ impl Rectangle {
 }
 
 impl Building {
-    /// The office of 60 × 40 m: a ring of corridors 1.6 m wide, narrower ones of 0.7 to 1.2 m through it, rooms on
-    /// both sides, one open hall.
-    ///
-    /// # Source
-    /// Extent and corridor widths of the test bed of mass-centred 2019; the layout is ours (the paper's is a
-    /// small picture).
-    pub fn office() -> Self {
-        GridBuilding::office().build()
-    }
-
     /// The direction from `door`, across its wall, into the room that it closes: away from the corridor.
     pub fn inward(&self, door: &Door) -> Point2 {
         let across = Point2::new(-door.along.y_m, door.along.x_m);

@@ -16,13 +16,14 @@
 //! ```
 //!
 //! # What is not simulated
-//! Stairs and lifts that are ridden, air pressure, the carried card, crowds.
+//! Lifts that are ridden, the carried card, crowds.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
 mod noise;
 mod vector;
 
+pub mod air;
 pub mod building;
 pub mod magnetic_field;
 pub mod phone;

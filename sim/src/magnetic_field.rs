@@ -61,6 +61,18 @@ pub enum Source {
 }
 
 impl Source {
+    /// The same body `height_m` higher.
+    #[must_use]
+    pub fn raised(self, height_m: f64) -> Self {
+        let up = |[x_m, y_m, z_m]: [f64; 3]| [x_m, y_m, z_m + height_m];
+        match self {
+            Self::Dipole { place_m, moment_ut_m3 } => Self::Dipole { place_m: up(place_m), moment_ut_m3 },
+            Self::Bar { north_pole_m, south_pole_m, pole_ut_m2 } => {
+                Self::Bar { north_pole_m: up(north_pole_m), south_pole_m: up(south_pole_m), pole_ut_m2 }
+            }
+        }
+    }
+
     /// The source's field at `place_m`, in µT; it grows without bound at a dipole or pole itself.
     pub fn field_ut(&self, place_m: [f64; 3]) -> [f64; 3] {
         let pole = |at_m: Vector3| {

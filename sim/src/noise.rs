@@ -56,6 +56,24 @@ impl Noise {
         [0; 3].map(|_| self.normal(sd))
     }
 
+    /// The times between `start_s` and `end_s` at which something happens that happens `per_minute` times a minute, and
+    /// not within `rest_s` of the last time: a Poisson process.
+    pub(crate) fn arrivals_s(&mut self, start_s: f64, end_s: f64, per_minute: f64, rest_s: f64) -> Vec<f64> {
+        let mut times_s = Vec::new();
+        if per_minute <= 0.0 {
+            return times_s;
+        }
+        let mut time_s = start_s;
+        loop {
+            time_s -= 60.0 / per_minute * libm::log(self.unit());
+            if time_s >= end_s {
+                return times_s;
+            }
+            times_s.push(time_s);
+            time_s += rest_s;
+        }
+    }
+
     /// Normal, kept within two standard deviations of `mean`.
     pub(crate) fn typical(&mut self, mean: f64, sd: f64) -> f64 {
         mean + self.normal(sd).clamp(-2.0 * sd, 2.0 * sd)
@@ -112,6 +130,10 @@ mod tests {
         let smooth = SmoothNoise::new(&mut noise, 1.5, [0.1, 0.4]);
         let square = (0..n).map(|k| smooth.at(f64::from(k))).map(|y| y * y).sum::<f64>() / f64::from(n);
         assert!((square.sqrt() - 1.5).abs() < 0.1, "{square}");
+        let arrivals_s = noise.arrivals_s(0.0, 60_000.0, 3.0, 0.0);
+        assert!(
+            (2_800..3_200).contains(&arrivals_s.len()) && noise.arrivals_s(0.0, 9.0, 0.0, 0.0).is_empty()
+        );
         assert_eq!((smooth_step(-1.0), smooth_step(0.5), smooth_step(2.0)), (0.0, 0.5, 1.0));
     }
 }

@@ -1,6 +1,7 @@
 //! Phones: how they are carried, and what their sensors say.
 
 mod carry;
+mod hold;
 mod iron;
 mod motion;
 mod sensors;

@@ -9,7 +9,7 @@ use fieldwalk::map::{FloorIndex, FloorMap};
 use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::positioner::{Mode, Positioner};
 use fieldwalk::sensor::{Reading, Sample};
-use fieldwalk::survey::{SurveyParams, SurveyWalk, Waypoint, build_floor, leave_one_walk_out};
+use fieldwalk::survey::{LeaveOneOut, SurveyParams, SurveyWalk, Waypoint, build_floor};
 use fieldwalk::system::Recipe;
 use fieldwalk::time::Duration;
 use fieldwalk_tests::synthetic::{FLOOR_NAME, FLOOR_ORDINAL, Floor, Recorded, WALK_START};
@@ -331,10 +331,8 @@ fn leaving_one_walk_out_scores_every_walk_at_each_waypoint_but_the_first() {
     lone.push_waypoint(Waypoint { time: WALK_START, point: Point2::new(2.0, 2.0) });
     walks.push(lone);
     let map = map_of(&world.floor, &walks);
-    let score = |left_out: usize| {
-        let params = SurveyParams::default();
-        leave_one_walk_out(&map, world.floor.plan(), &walks, left_out, &params, &Recipe::fused(), 1)
-    };
+    let survey = LeaveOneOut::new(&map, &walks, &SurveyParams::default());
+    let score = |left_out: usize| survey.score(left_out, &Recipe::fused(), 1);
     for (left_out, walk) in walks[..6].iter().enumerate() {
         let scores = score(left_out);
         let places: Vec<Point2> = scores.iter().map(|(place, _)| *place).collect();

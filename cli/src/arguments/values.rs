@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use fieldwalk::geometry::Point2;
 
+use crate::floors::Layout;
+
 /// More seeds than this are a slip of the finger.
 const MAX_SEEDS: u64 = 1_000;
 
@@ -38,6 +40,17 @@ impl FromStr for Seeds {
             Some(pair) => Err(format!("seed {} is given twice: each would count double", pair[0])),
             None => Ok(Self(seeds)),
         }
+    }
+}
+
+impl FromStr for Layout {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        [Self::Ilc, Self::Recordings]
+            .into_iter()
+            .find(|layout| layout.name() == text)
+            .ok_or_else(|| "expected `recordings` or `ilc`".into())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use fieldwalk::floor_plan::FloorPlan;
@@ -21,6 +21,7 @@ use crate::arguments::DemoArguments;
 use crate::error_table::error_table;
 use crate::evaluation::{PointKind, Row, RowGroup, Start, TestWalk, TruthPoint, WalkScore, score};
 use crate::progress;
+use crate::simulated::write_recording;
 use crate::stop::Stop;
 
 /// The data set's name in rows.
@@ -46,6 +47,7 @@ pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> 
     let mut building = BuildingMap { name: office.building.name.clone(), floors: vec![map] };
     write_building(&map_dir, &building)?;
     let floor = building.floors.remove(0);
+    let recording = save_first_walk(&office, &arguments.out)?;
     let rows = score_walks(&office, floor, arguments.walks);
     if arguments.json {
         for row in &rows {
@@ -60,6 +62,10 @@ pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> 
         arguments.seed,
         error_table(&rows.iter().collect::<Vec<_>>()).trim_fmt()
     )?;
+    if let Some(recording) = recording {
+        let (map, recording) = (map_dir.display(), recording.display());
+        writeln!(out, "To see the fixes of the first walk: fieldwalk replay {map} {recording}\n")?;
+    }
     writeln!(
         out,
         "The map is in {}, its plan in {}; next, map a floor of yours: fieldwalk survey --help",
@@ -72,6 +78,14 @@ pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> 
 fn save_plan(plan: &FloorPlan, dir: &Path, file: &Path) -> Result<(), FormatError> {
     fs::create_dir_all(dir).map_err(|error| FormatError::io("make the folder", dir, error))?;
     fs::write(file, write_plan(plan)).map_err(|error| FormatError::io("write the plan", file, error))
+}
+
+/// Saves the first of the walks that the map has not seen, with its waypoints.
+fn save_first_walk(office: &Scenario, dir: &Path) -> Result<Option<PathBuf>, FormatError> {
+    let Some(walk) = office.test_walks(1, WALK_M).pop() else { return Ok(None) };
+    let path = dir.join(format!("{}.mcap", walk.name));
+    write_recording(&office.simulate(&walk), FLOOR, &path)?;
+    Ok(Some(path))
 }
 
 fn survey(office: &Scenario) -> Result<FloorMap, Stop> {

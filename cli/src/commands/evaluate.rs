@@ -9,13 +9,12 @@ use std::io::Write;
 use fieldwalk::survey::SurveyParams;
 use fieldwalk::system::Recipe;
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::Floor;
 use rayon::prelude::*;
 
-use crate::arguments::{Dataset, EvaluateArguments, Layout};
+use crate::arguments::{Dataset, EvaluateArguments};
 use crate::error_table::error_table;
 use crate::evaluation::{Evaluation, FloorScores, PointKind, Row};
-use crate::floors::{FoundFloor, find_floors};
+use crate::floors::{Floor, FoundFloor, Layout, find_floors};
 use crate::progress;
 use crate::stop::{Stop, note};
 use crate::walker_evaluation;
@@ -26,16 +25,18 @@ const ALL: &str = "all";
 /// Scores what the data set is for and prints the rows.
 pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
     match arguments.dataset {
-        Dataset::Ilc => score_systems(arguments, out),
-        Dataset::OxfordSteps => walker::run(walker_evaluation::oxford_steps::score, arguments, out),
-        Dataset::Tyrex => {
+        None => score_systems(arguments, Layout::of(&arguments.dirs), out),
+        Some(Dataset::Ilc) => score_systems(arguments, Layout::Ilc, out),
+        Some(Dataset::Recordings) => score_systems(arguments, Layout::Recordings, out),
+        Some(Dataset::OxfordSteps) => walker::run(walker_evaluation::oxford_steps::score, arguments, out),
+        Some(Dataset::Tyrex) => {
             let table = arguments.table.as_deref().map(table_file::read).transpose()?;
             walker::run(|dirs| walker_evaluation::tyrex::score(dirs, table), arguments, out)
         }
     }
 }
 
-fn score_systems(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
+fn score_systems(arguments: &EvaluateArguments, layout: Layout, out: &mut impl Write) -> Result<(), Stop> {
     if let Some(name) = &arguments.print_recipe {
         return Ok(writeln!(out, "{}", serde_json::to_string_pretty(&named(name)?)?)?);
     }
@@ -46,9 +47,9 @@ fn score_systems(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<
         folds: arguments.chosen_folds(),
         survey: SurveyParams::default(),
     };
-    let found = find_floors(&arguments.dirs)?;
-    let (scores, n_failed) = score_floors(&evaluation, &found);
-    let rows = all_rows(&evaluation, Layout::Ilc.name(), &scores);
+    let found = find_floors(&arguments.dirs, layout)?;
+    let (scores, n_failed) = score_floors(&evaluation, &found, layout);
+    let rows = all_rows(&evaluation, layout.name(), &scores);
     if arguments.json {
         for row in &rows {
             writeln!(out, "{}", serde_json::to_string(row)?)?;
@@ -115,8 +116,12 @@ fn named(name: &str) -> Result<Recipe, Stop> {
 }
 
 /// Scores the floors side by side; says on standard error what could not be scored, and counts the floors that failed.
-fn score_floors(evaluation: &Evaluation, found: &[FoundFloor]) -> (Vec<(String, FloorScores)>, usize) {
-    let floors: Vec<_> = found.iter().map(|found| (found, Floor::open(&found.dir))).collect();
+fn score_floors(
+    evaluation: &Evaluation,
+    found: &[FoundFloor],
+    layout: Layout,
+) -> (Vec<(String, FloorScores)>, usize) {
+    let floors: Vec<_> = found.iter().map(|found| (found, Floor::open(&found.dir, layout))).collect();
     let n_ticks = floors.iter().flat_map(|(_, floor)| floor).map(|floor| evaluation.n_ticks(floor)).sum();
     let bar = progress::bar("walks", n_ticks);
     let scored: Vec<_> = floors

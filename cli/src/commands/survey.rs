@@ -1,28 +1,32 @@
 //! `fieldwalk survey`: walks become a building's map.
 
 mod expected;
+mod picture;
 mod report;
 mod walks;
 
 use std::io::Write;
 
 use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
+use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::survey::{Coverage, SurveyParams, build_floor};
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::{Floor, floor_ordinal};
+use fieldwalk_formats::ilc::floor_ordinal;
 use fieldwalk_formats::map::write_building;
 
 use crate::arguments::SurveyArguments;
-use crate::floors::{FoundFloor, find_floors};
+use crate::floors::{Floor, FoundFloor, Layout, find_floors};
 use crate::stop::{Stop, note};
 
+use picture::Picture;
 use report::FloorReport;
 use walks::Walks;
 
-/// Maps the floors, writes the building and prints what it is worth.
+/// Maps the floors, writes the building and its pictures, and prints what it is worth.
 pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop> {
-    let found = find_floors(&arguments.dirs)?;
-    let floors = open_floors(&found)?;
+    let layout = arguments.layout.unwrap_or_else(|| Layout::of(&arguments.dirs));
+    let found = find_floors(&arguments.dirs, layout)?;
+    let floors = open_floors(&found, layout)?;
     let params = SurveyParams::default();
     let mut building = BuildingMap { name: building_name(arguments, &floors)?, floors: Vec::new() };
     let mut surveys = Vec::new();
@@ -36,10 +40,17 @@ pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop
     let files = report::floor_files(&arguments.out)?;
     let mut reports = Vec::new();
     for (map, walks) in building.floors.into_iter().zip(&surveys) {
-        let expected =
-            (!arguments.no_expected_accuracy).then(|| expected::accuracy(&map, walks, &params)).flatten();
+        let scores =
+            if arguments.no_expected_accuracy { Vec::new() } else { expected::scores(&map, walks, &params) };
+        let fixes: Vec<ScoredFix> = scores.iter().map(|(_, fix)| *fix).collect();
+        let expected = ErrorSummary::of(&fixes);
         let index = FloorIndex::new(map);
-        reports.push(FloorReport::new(&index, Coverage::of(&index), walks, &files, expected));
+        let coverage = Coverage::of(&index);
+        let file = files.iter().find(|file| file.name == index.map().name);
+        let path =
+            picture::path(&arguments.out, arguments.pictures.as_deref(), file.map_or("", |file| &file.file));
+        Picture { building: &building.name, floor: &index, coverage, scores: &scores }.write(&path)?;
+        reports.push(FloorReport::new(&index, coverage, walks, file, expected, path));
     }
     if arguments.json {
         for report in &reports {
@@ -51,10 +62,10 @@ pub fn run(arguments: &SurveyArguments, out: &mut impl Write) -> Result<(), Stop
 }
 
 /// Opens the floors, which must be of different names: a map tells floors apart by them.
-fn open_floors(found: &[FoundFloor]) -> Result<Vec<Floor>, FormatError> {
+fn open_floors(found: &[FoundFloor], layout: Layout) -> Result<Vec<Floor>, FormatError> {
     let mut floors: Vec<Floor> = Vec::new();
     for FoundFloor { dir, .. } in found {
-        let floor = Floor::open(dir)?;
+        let floor = Floor::open(dir, layout)?;
         if floors.iter().any(|other| other.name == floor.name) {
             let message = format!("another floor is called {} as well", floor.name);
             return Err(FormatError::malformed(message, "survey one building at a time").at_path(dir));
@@ -105,7 +116,9 @@ fn no_walk(found: &FoundFloor, floor: &Floor, walks: &Walks) -> String {
     let dir = found.dir.display();
     match walks.refused.as_slice() {
         [] if floor.traces.is_empty() => {
-            format!("{dir}: no walk to survey with (put traces, *.txt, into its folder of walks)")
+            format!(
+                "{dir}: no walk to survey with (put recordings into its folder of walks: see `fieldwalk survey --help`)"
+            )
         }
         [] => format!(
             "{dir}: every walk is a test walk of the fold left out (give another --fold, or more walks)"

@@ -5,11 +5,11 @@ use std::io::Write;
 use std::path::Path;
 
 use fieldwalk::attitude::{EventCounts, Pointing};
+use fieldwalk_formats::recording::InOrder;
 use fieldwalk_formats::tyrex::{Motion, find_trials};
 use fieldwalk_formats::{FormatError, Record, open_recording};
 
 use crate::arguments::TrainAttitudeArguments;
-use crate::in_order::InOrder;
 use crate::stop::{Stop, note};
 use crate::walker_evaluation::tyrex::training::{StrideCounter, count_strides, table_of};
 

@@ -7,10 +7,11 @@ use fieldwalk::map::FloorIndex;
 use fieldwalk::survey::{SurveyParams, SurveyWalk, build_floor};
 use fieldwalk::system::Recipe;
 use fieldwalk_formats::error::FormatError;
-use fieldwalk_formats::ilc::{Floor, floor_ordinal};
+use fieldwalk_formats::ilc::floor_ordinal;
 use rayon::prelude::*;
 
 use crate::evaluation::{Row, RowGroup, Start, TestWalk, WalkScore, is_test_walk, score};
+use crate::floors::Floor;
 use crate::walks::ReadWalk;
 
 /// What to score, and how.
@@ -41,7 +42,7 @@ impl Evaluation {
     /// Number of times that [`Evaluation::score_floor`] reports a walk as done.
     pub fn n_ticks(&self, floor: &Floor) -> usize {
         self.survey_traces(floor).count()
-            + self.folds.iter().map(|&fold| test_traces(floor, fold).count()).sum::<usize>()
+            + self.splits(floor).into_iter().map(|split| split.test_traces(floor).count()).sum::<usize>()
     }
 
     /// Maps `floor` per fold and scores the fold's test walks; `tick` is called, from any thread, for every walk read.
@@ -54,15 +55,15 @@ impl Evaluation {
         let survey = survey
             .par_iter()
             .map(|path| {
-                let read = ReadWalk::open(path);
+                let read = ReadWalk::open(path, floor.plan.georeference);
                 tick();
                 read
             })
             .collect::<Result<Vec<_>, _>>()?;
         let folds = self
-            .folds
-            .par_iter()
-            .map(|&fold| self.score_fold(floor, fold, &survey, &tick))
+            .splits(floor)
+            .into_par_iter()
+            .map(|split| self.score_split(floor, split, &survey, &tick))
             .collect::<Result<Vec<_>, _>>()?;
         let mut scores = FloorScores::default();
         for fold in folds {
@@ -72,28 +73,32 @@ impl Evaluation {
         Ok(scores)
     }
 
-    fn score_fold(
+    fn score_split(
         &self,
         floor: &Floor,
-        fold: u8,
+        split: Split,
         survey: &[ReadWalk],
         tick: &(impl Fn() + Sync),
     ) -> Result<FloorScores, FormatError> {
         let walks: Vec<SurveyWalk> = survey
             .iter()
-            .filter(|read| !is_test_walk(&read.path, fold))
+            .filter(|read| split.is_survey_walk(&read.path))
             .map(|read| read.walk.clone())
             .collect();
         let map = build_floor(&floor.name, floor_ordinal(&floor.name), &floor.plan, &walks, &self.survey)
             .map_err(|error| {
-                FormatError::malformed(format!("no map of the walks outside fold {fold}: {error}"), "")
+                let walks = match split {
+                    Split::Fold(fold) => format!("walks outside fold {fold}"),
+                    Split::ByFolder => "survey walks".to_owned(),
+                };
+                FormatError::malformed(format!("no map of the {walks}: {error}"), "")
             })?;
         let index = Arc::new(FloorIndex::new(map));
-        let tests: Vec<&PathBuf> = test_traces(floor, fold).collect();
+        let tests: Vec<&PathBuf> = split.test_traces(floor).collect();
         let scored = tests
             .par_iter()
             .map(|path| {
-                let scored = self.score_walk(&index, path);
+                let scored = self.score_walk(&index, floor, path);
                 tick();
                 scored
             })
@@ -105,18 +110,28 @@ impl Evaluation {
 
     fn score_walk(
         &self,
-        floor: &Arc<FloorIndex>,
+        index: &Arc<FloorIndex>,
+        floor: &Floor,
         path: &Path,
     ) -> Result<Option<Vec<Vec<WalkScore>>>, FormatError> {
-        let Some(walk) = TestWalk::read(path)? else { return Ok(None) };
+        let Some(walk) = TestWalk::read(path, floor.plan.georeference)? else { return Ok(None) };
         let with_seeds =
-            |recipe| self.seeds.iter().map(|&seed| score(floor, recipe, self.start, seed, &walk)).collect();
+            |recipe| self.seeds.iter().map(|&seed| score(index, recipe, self.start, seed, &walk)).collect();
         Ok(Some(self.recipes.iter().map(with_seeds).collect()))
     }
 
-    /// The traces that survey some fold's map.
+    /// The ways in which the floor's walks are divided, one map each.
+    fn splits(&self, floor: &Floor) -> Vec<Split> {
+        match floor.test_traces {
+            Some(_) => vec![Split::ByFolder],
+            None => self.folds.iter().map(|&fold| Split::Fold(fold)).collect(),
+        }
+    }
+
+    /// The traces that survey some split's map.
     fn survey_traces<'a>(&self, floor: &'a Floor) -> impl Iterator<Item = &'a PathBuf> {
-        floor.traces.iter().filter(|path| self.folds.iter().any(|&fold| !is_test_walk(path, fold)))
+        let splits = self.splits(floor);
+        floor.traces.iter().filter(move |path| splits.iter().any(|split| split.is_survey_walk(path)))
     }
 
     /// The rows of the floors `scores`, pooled, under the name `floor`.
@@ -147,6 +162,26 @@ impl FloorScores {
     }
 }
 
-fn test_traces(floor: &Floor, fold: u8) -> impl Iterator<Item = &PathBuf> {
-    floor.traces.iter().filter(move |path| is_test_walk(path, fold))
+/// A division of a floor's walks into those that survey and those that test.
+#[derive(Clone, Copy, Debug)]
+enum Split {
+    /// By the names of the files.
+    Fold(u8),
+    /// As the floor's folder has it.
+    ByFolder,
+}
+
+impl Split {
+    fn is_survey_walk(self, path: &Path) -> bool {
+        match self {
+            Self::Fold(fold) => !is_test_walk(path, fold),
+            Self::ByFolder => true,
+        }
+    }
+
+    fn test_traces(self, floor: &Floor) -> impl Iterator<Item = &PathBuf> {
+        let set_aside = floor.test_traces.iter().flatten().filter(move |_| matches!(self, Self::ByFolder));
+        let of_fold = floor.traces.iter().filter(move |path| !self.is_survey_walk(path));
+        set_aside.chain(of_fold)
+    }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use fieldwalk::floor_plan::Georeference;
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
 use fieldwalk::metrics::ScoredFix;
@@ -54,13 +55,13 @@ pub struct WalkScore {
 }
 
 impl TestWalk {
-    /// Reads a trace; nothing when it has no two waypoints.
+    /// Reads a log of any format, its waypoints in degrees placed at `georeference`; nothing when it has no two waypoints.
     ///
     /// # Errors
-    /// When the file cannot be read or is no trace.
-    pub fn read(path: &Path) -> Result<Option<Self>, FormatError> {
+    /// When the file cannot be read or is no log, or its waypoints cannot be placed.
+    pub fn read(path: &Path, georeference: Option<Georeference>) -> Result<Option<Self>, FormatError> {
         let mut samples = Vec::new();
-        let read = ReadWalk::open_with(path, |record| {
+        let read = ReadWalk::open_with(path, georeference, |record| {
             if let Record::Sample(sample) = record {
                 samples.push(*sample);
             }

@@ -22,6 +22,8 @@ pub enum Metric {
     AucUfhCaptured,
     /// The same as `auc_non_upward` with the screen's side taken from the capture.
     AucNonUpwardCaptured,
+    /// Area under the receiver's curve: top edge ahead against the same walks with the phone turned in quarters.
+    AucForwardTurned,
     /// Share of moments at which UFH is decided rightly, in percent.
     UfhCorrectPercent,
     /// Share of moments at which the carry mode is the trial's, in percent.
@@ -40,6 +42,7 @@ impl Metric {
             Self::AucNonUpward => "auc_non_upward",
             Self::AucUfhCaptured => "auc_ufh_captured",
             Self::AucNonUpwardCaptured => "auc_non_upward_captured",
+            Self::AucForwardTurned => "auc_forward_turned",
             Self::UfhCorrectPercent => "ufh_correct_percent",
             Self::CarryModeCorrectPercent => "carry_mode_correct_percent",
             Self::HeadingErrorMedianDeg => "heading_error_median_deg",
@@ -88,6 +91,7 @@ mod tests {
             Metric::AucNonUpward,
             Metric::AucUfhCaptured,
             Metric::AucNonUpwardCaptured,
+            Metric::AucForwardTurned,
             Metric::UfhCorrectPercent,
             Metric::CarryModeCorrectPercent,
             Metric::HeadingErrorMedianDeg,

@@ -62,7 +62,7 @@ pub struct Fix {
 }
 
 /// What a fix is made from.
-pub(super) struct Inputs<'a> {
+pub(crate) struct Inputs<'a> {
     pub map: &'a FloorMap,
     pub accuracy: AccuracyParams,
     pub estimate: &'a CloudEstimate,
@@ -76,7 +76,7 @@ pub(super) struct Inputs<'a> {
     pub time: Timestamp,
 }
 
-pub(super) fn assemble(inputs: &Inputs<'_>) -> Fix {
+pub(crate) fn assemble(inputs: &Inputs<'_>) -> Fix {
     let Inputs { map, accuracy, estimate, step_length_m, last_step, turned_rad, last_heard, time, .. } =
         *inputs;
     let silent_s = last_heard.map_or(0.0, |last| time.secs_since(last)).max(0.0);

@@ -6,7 +6,8 @@ use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment, wrap_rad};
 use crate::map::{FloorMap, GridFrame, Layers};
 use crate::survey::kriging::{Kriging, KrigingParams, KrigingScratch, Reading};
-use crate::survey::{SurveyTrack, SurveyWalk, radio};
+use crate::survey::radio::Heard;
+use crate::survey::{SurveyTrack, SurveyWalk};
 
 /// Parameters of [`build_floor`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,8 +76,16 @@ pub(super) struct Surveyed {
     pub tracks: Vec<(u32, SurveyTrack)>,
     /// Field x, y, z and strength.
     pub readings: Vec<Reading<4>>,
-    /// Place, and walking direction minus compass azimuth in radians.
-    pub deviations: Vec<(Point2, f64)>,
+    pub deviations: Vec<Deviation>,
+}
+
+/// The compass read on one step.
+pub(super) struct Deviation {
+    pub position: Point2,
+    /// Walking direction minus compass azimuth, in radians.
+    pub deviation_rad: f64,
+    /// The walk that it comes from.
+    pub walk: u32,
 }
 
 /// Builds a floor's map from its plan and the walks that surveyed it.
@@ -94,7 +103,7 @@ pub fn build_floor(
     if !is_extent(plan.width_m) || !is_extent(plan.height_m) {
         return Err(SurveyError::BadPlan);
     }
-    let surveyed = Surveyed::of(walks, None);
+    let surveyed = Surveyed::of(walks);
     if surveyed.tracks.is_empty() {
         return Err(SurveyError::NoTrack { n_walks: walks.len() });
     }
@@ -107,23 +116,23 @@ pub fn build_floor(
         ordinal,
         plan: plan.clone(),
         frame,
-        routes: surveyed.routes(),
-        transmitters: radio::fit_transmitters(walks, &surveyed.tracks),
+        routes: surveyed.routes(None),
+        transmitters: Heard::of(walks, &surveyed.tracks).fit(None),
         layers: Layers::default(),
     };
     grid_routes(&mut map, params);
     grid_field(&mut map, surveyed.readings, params, |_| true);
-    map.layers.compass_deviation_rad = smoothed_deviations(&frame, &surveyed.deviations, params);
+    let deviations = DeviationSums::of(&frame, &surveyed.deviations, params);
+    map.layers.compass_deviation_rad = (0..frame.len()).map(|node| deviations.smoothed_rad(node)).collect();
     Ok(map)
 }
 
 impl Surveyed {
-    /// Lays out all `walks` but the one at index `left_out`.
-    pub fn of(walks: &[SurveyWalk], left_out: Option<usize>) -> Self {
+    /// Lays out all `walks`.
+    pub fn of(walks: &[SurveyWalk]) -> Self {
         let tracks: Vec<(u32, SurveyTrack)> = walks
             .iter()
             .enumerate()
-            .filter(|(k, _)| Some(*k) != left_out)
             .filter_map(|(k, walk)| Some((k as u32, SurveyTrack::of(walk)?)))
             .filter(|(_, track)| !track.steps().is_empty())
             .collect();
@@ -137,19 +146,24 @@ impl Surveyed {
                 let values_ut = [right * cos + ahead * sin, ahead * cos - right * sin, up, strength];
                 readings.push(Reading { position: step.position, values_ut, walk: *walk });
                 let azimuth_rad = -f64::from(field.heading_rad());
-                deviations.push((step.position, wrap_rad(step.heading_rad - azimuth_rad)));
+                deviations.push(Deviation {
+                    position: step.position,
+                    deviation_rad: wrap_rad(step.heading_rad - azimuth_rad),
+                    walk: *walk,
+                });
             }
         }
         Self { tracks, readings, deviations }
     }
 
-    /// The surveyed lines: the waypoints of each walk, joined.
-    pub fn routes(&self) -> Vec<Vec<Point2>> {
-        self.tracks.iter().map(|(_, track)| track.waypoints().iter().map(|w| w.point).collect()).collect()
+    /// The surveyed lines: the waypoints of each walk but `left_out`, joined.
+    pub fn routes(&self, left_out: Option<u32>) -> Vec<Vec<Point2>> {
+        let others = self.tracks.iter().filter(|(walk, _)| Some(*walk) != left_out);
+        others.map(|(_, track)| track.waypoints().iter().map(|w| w.point).collect()).collect()
     }
 }
 
-/// Grids the field at the nodes that `is_wanted` and lie near a route; elsewhere the floor's mean, or what was there.
+/// Grids the field at the nodes that `is_wanted`: the floor's mean where no route is near; what was there elsewhere.
 pub(super) fn grid_field(
     map: &mut FloorMap,
     readings: Vec<Reading<4>>,
@@ -177,11 +191,12 @@ pub(super) fn grid_field(
     }
     for node in 0..frame.len() {
         let place = frame.node(node % frame.nx, node / frame.nx);
-        let is_near = f64::from(layers.route_distance_m[node]) <= params.field_reach_m;
-        if !is_near || !is_wanted(place) {
+        if !is_wanted(place) {
             continue;
         }
-        let (values_ut, variance_ut2) = kriging.predict(place, &mut scratch);
+        let is_near = f64::from(layers.route_distance_m[node]) <= params.field_reach_m;
+        let (values_ut, variance_ut2) =
+            if is_near { kriging.predict(place, &mut scratch) } else { (mean_ut, sill_ut2) };
         layers.field_x_ut[node] = values_ut[0] as f32;
         layers.field_y_ut[node] = values_ut[1] as f32;
         layers.field_z_ut[node] = values_ut[2] as f32;
@@ -220,26 +235,62 @@ fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach_m: f64) ->
     distances_m
 }
 
-/// Compass deviation per node: a circular mean over nearby readings, weighted by a Gaussian of the distance.
-fn smoothed_deviations(frame: &GridFrame, deviations: &[(Point2, f64)], params: &SurveyParams) -> Vec<f32> {
-    let mut sums = vec![[0.0f64; 2]; frame.len()];
-    let (mut all_sin, mut all_cos) = (0.0, 0.0);
-    for &(position, deviation_rad) in deviations {
-        let (sin, cos) = libm::sincos(deviation_rad);
-        all_sin += sin;
-        all_cos += cos;
-        let here = Segment { a: position, b: position };
-        for (node, place) in nodes_near(frame, &here, 3.0 * params.deviation_length_m) {
-            let apart = place.distance_m(position) / params.deviation_length_m;
-            let weight = libm::exp(-0.5 * apart * apart);
-            sums[node][0] += weight * sin;
-            sums[node][1] += weight * cos;
+/// Compass deviations summed about every node, weighted by a Gaussian of the distance: a circular mean in the making.
+#[derive(Clone)]
+pub(super) struct DeviationSums {
+    /// Sine and cosine per node.
+    nodes: Vec<[f64; 2]>,
+    /// Sine and cosine of all readings.
+    all: [f64; 2],
+    n: usize,
+}
+
+impl DeviationSums {
+    /// The sums of `deviations`.
+    pub fn of<'a>(
+        frame: &GridFrame,
+        deviations: impl IntoIterator<Item = &'a Deviation>,
+        params: &SurveyParams,
+    ) -> Self {
+        let mut sums = Self { nodes: vec![[0.0; 2]; frame.len()], all: [0.0; 2], n: 0 };
+        for &Deviation { position, deviation_rad, .. } in deviations {
+            let (sin, cos) = libm::sincos(deviation_rad);
+            sums.all[0] += sin;
+            sums.all[1] += cos;
+            sums.n += 1;
+            let here = Segment { a: position, b: position };
+            for (node, place) in nodes_near(frame, &here, 3.0 * params.deviation_length_m) {
+                let apart = place.distance_m(position) / params.deviation_length_m;
+                let weight = libm::exp(-0.5 * apart * apart);
+                sums.nodes[node][0] += weight * sin;
+                sums.nodes[node][1] += weight * cos;
+            }
         }
+        sums
     }
-    let n = deviations.len().max(1) as f64;
-    // The floor's mean, as if read once: nodes far from all readings fall back to it.
-    let prior = [all_sin / n, all_cos / n];
-    sums.iter().map(|[sin, cos]| libm::atan2(sin + 0.5 * prior[0], cos + 0.5 * prior[1]) as f32).collect()
+
+    /// Takes the readings of `part`, which are among these, out at the nodes that they reach; says which nodes.
+    pub fn take_out(&mut self, part: &Self) -> Vec<usize> {
+        let reached: Vec<usize> =
+            (0..part.nodes.len()).filter(|&node| part.nodes[node] != [0.0; 2]).collect();
+        for &node in &reached {
+            self.nodes[node][0] -= part.nodes[node][0];
+            self.nodes[node][1] -= part.nodes[node][1];
+        }
+        self.all[0] -= part.all[0];
+        self.all[1] -= part.all[1];
+        self.n -= part.n.min(self.n);
+        reached
+    }
+
+    /// The mean deviation at a node, in radians.
+    pub fn smoothed_rad(&self, node: usize) -> f32 {
+        let n = self.n.max(1) as f64;
+        // The floor's mean, as if read once: nodes far from all readings fall back to it.
+        let prior = [self.all[0] / n, self.all[1] / n];
+        let [sin, cos] = self.nodes[node];
+        libm::atan2(sin + 0.5 * prior[0], cos + 0.5 * prior[1]) as f32
+    }
 }
 
 fn nodes_near(

@@ -18,17 +18,42 @@ const PRIOR_EXPONENT: (f64, f64) = (2.5, 5.0);
 /// Added to the residual variance of a fit, in dB²: fading that a straight walk does not show.
 const EXTRA_VARIANCE_DB2: f64 = 9.0;
 
-/// Fits every transmitter that was heard often enough, in order of identity.
-pub(super) fn fit_transmitters(walks: &[SurveyWalk], tracks: &[(u32, SurveyTrack)]) -> Vec<Transmitter> {
-    let mut heard: BTreeMap<TransmitterId, Vec<(Point2, f64)>> = BTreeMap::new();
-    for (walk, track) in tracks {
-        for (time, sighting) in walks[*walk as usize].sightings() {
-            if let Some(position) = track.position(*time) {
-                heard.entry(sighting.transmitter).or_default().push((position, f64::from(sighting.rssi_dbm)));
+/// What every transmitter was heard at, and where.
+pub(super) struct Heard(BTreeMap<TransmitterId, Vec<Sighting>>);
+
+/// A power received at a place on a walk.
+struct Sighting {
+    place: Point2,
+    rssi_dbm: f64,
+    walk: u32,
+}
+
+impl Heard {
+    /// The sightings of `walks`, placed along their `tracks`.
+    pub fn of(walks: &[SurveyWalk], tracks: &[(u32, SurveyTrack)]) -> Self {
+        let mut heard: BTreeMap<TransmitterId, Vec<Sighting>> = BTreeMap::new();
+        for (walk, track) in tracks {
+            for (time, sighting) in walks[*walk as usize].sightings() {
+                if let Some(place) = track.position(*time) {
+                    let rssi_dbm = f64::from(sighting.rssi_dbm);
+                    let sightings = heard.entry(sighting.transmitter).or_default();
+                    sightings.push(Sighting { place, rssi_dbm, walk: *walk });
+                }
             }
         }
+        Self(heard)
     }
-    heard.into_iter().filter_map(|(id, sightings)| fit(id, &sightings)).collect()
+
+    /// Fits every transmitter that was heard often enough outside the walk `left_out`, in order of identity.
+    pub fn fit(&self, left_out: Option<u32>) -> Vec<Transmitter> {
+        self.0.keys().filter_map(|&id| self.fit_one(id, left_out)).collect()
+    }
+
+    /// Fits one transmitter; nothing when it was not heard often enough outside the walk `left_out`.
+    pub fn fit_one(&self, id: TransmitterId, left_out: Option<u32>) -> Option<Transmitter> {
+        let others = self.0.get(&id)?.iter().filter(|sighting| Some(sighting.walk) != left_out);
+        fit(id, &others.map(|sighting| (sighting.place, sighting.rssi_dbm)).collect::<Vec<_>>())
+    }
 }
 
 fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {

@@ -66,6 +66,22 @@ pub fn floor_ordinal(name: &str) -> i32 {
     }
 }
 
+/// Whether `name` is a floor's and no building's: a few letters and a number, such as `F1`, `2F` or `Level 3`, or `G`,
+/// `GF`, `B`, `LG`, `UG`.
+pub fn is_floor_name(name: &str) -> bool {
+    let name = name.trim().to_ascii_uppercase();
+    let (letters, number) = name.split_at(name.find(|c: char| c.is_ascii_digit()).unwrap_or(name.len()));
+    let is_number =
+        |text: &str| !text.is_empty() && text.len() < 4 && text.bytes().all(|c| c.is_ascii_digit());
+    let letters = letters.trim_end_matches([' ', '_', '-']);
+    match letters {
+        _ if number.is_empty() => matches!(letters, "G" | "GF" | "B" | "LG" | "UG"),
+        "" => is_number(number.strip_suffix('F').unwrap_or(number)),
+        "F" | "L" | "B" | "P" | "LG" | "UG" | "FLOOR" | "LEVEL" => is_number(number),
+        _ => false,
+    }
+}
+
 fn list_traces(dir: &Path) -> Result<Vec<PathBuf>, FormatError> {
     let mut folder = dir.join("path_data_files");
     if !folder.is_dir() {
@@ -85,7 +101,17 @@ fn list_traces(dir: &Path) -> Result<Vec<PathBuf>, FormatError> {
 
 #[cfg(test)]
 mod tests {
-    use super::floor_ordinal;
+    use super::{floor_ordinal, is_floor_name};
+
+    #[test]
+    fn a_building_is_not_called_as_a_floor() {
+        for name in ["F1", "f12", "1F", "3", "-1", "B2", "LG1", "Level 3", "floor_2", "G", "LG"] {
+            assert!(is_floor_name(name), "{name}");
+        }
+        for name in ["", "office", "office2", "F", "2026-10-03", "F1 old", "Mall", "FL1", "F1000"] {
+            assert!(!is_floor_name(name), "{name}");
+        }
+    }
 
     #[test]
     fn floors_are_numbered_by_their_names() {

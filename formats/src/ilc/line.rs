@@ -47,11 +47,11 @@ pub(super) fn parse_first(line: &[u8]) -> (Result<Line, LineFault>, usize) {
     }
 }
 
-/// The floor named by a header line, `#\tSiteID:…\tSiteName:…\tFloorId:…\tFloorName:F1`.
-pub(super) fn floor_name(comment: &[u8]) -> Option<String> {
+/// The value of `key`, such as `FloorName:`, in a header line, `#\tSiteID:…\tSiteName:…\tFloorId:…\tFloorName:F1`.
+pub(super) fn header_field(comment: &[u8], key: &[u8]) -> Option<String> {
     let mut fields = comment.split(|&byte| byte == b'\t');
-    let name = str::from_utf8(fields.find_map(|field| field.strip_prefix(b"FloorName:"))?).ok()?.trim();
-    (!name.is_empty()).then(|| name.to_owned())
+    let value = str::from_utf8(fields.find_map(|field| field.strip_prefix(key))?).ok()?.trim();
+    (!value.is_empty()).then(|| value.to_owned())
 }
 
 /// Where the first record of `line` ends: at a second `<13 digits>\tTYPE_`, or at the line's end.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::line::{self, Line};
 use super::rejections::{LineFault, LineRejections};
 use crate::error::FormatError;
-use crate::recording::Record;
+use crate::recording::{Record, RecordingInfo};
 use crate::text_lines::{Advance, MAX_LINE_BYTES, TextLines};
 
 /// Streams the records of one trace of the indoor-location-competition-20 collection.
@@ -35,7 +35,7 @@ pub struct TraceReader<R> {
     cursor: usize,
     has_valid_line: bool,
     is_done: bool,
-    floor_name: Option<String>,
+    info: RecordingInfo,
     rejections: LineRejections,
 }
 
@@ -62,7 +62,7 @@ impl<R: BufRead> TraceReader<R> {
             cursor: 0,
             has_valid_line: false,
             is_done: false,
-            floor_name: None,
+            info: RecordingInfo::default(),
             rejections: LineRejections::default(),
         }
     }
@@ -71,7 +71,12 @@ impl<R: BufRead> TraceReader<R> {
     ///
     /// `None` before that, and for a trace whose header says nothing. A map of another floor does not fit the trace.
     pub fn floor_name(&self) -> Option<&str> {
-        self.floor_name.as_deref()
+        Some(self.info.floor.as_str()).filter(|floor| !floor.is_empty())
+    }
+
+    /// What the header says about the walk; known once the first record has been read.
+    pub fn info(&self) -> &RecordingInfo {
+        &self.info
     }
 
     /// The lines left out so far.
@@ -95,9 +100,7 @@ impl<R: BufRead> TraceReader<R> {
             let rest = &self.lines.line()[self.cursor..];
             if rest[0] == b'#' {
                 // A comment: the header, or the `endTime` that closes a trace.
-                if self.floor_name.is_none() {
-                    self.floor_name = line::floor_name(rest);
-                }
+                take_header(&mut self.info, rest);
                 break;
             }
             let (parsed, end) = line::parse_first(rest);
@@ -127,6 +130,19 @@ impl<R: BufRead> TraceReader<R> {
         .at_path(&self.name)
         .at_line(line)
     }
+}
+
+/// Takes from a header line what is not known yet: `startTime:`, `FloorName:`, `Brand:` and `Model:`.
+fn take_header(info: &mut RecordingInfo, comment: &[u8]) {
+    let field = |key: &[u8]| line::header_field(comment, key);
+    if info.floor.is_empty() {
+        info.floor = field(b"FloorName:").unwrap_or_default();
+    }
+    if info.device.is_empty() {
+        let words = [field(b"Brand:"), field(b"Model:")];
+        info.device = words.into_iter().flatten().collect::<Vec<_>>().join(" ");
+    }
+    info.start_unix_ms = info.start_unix_ms.or_else(|| field(b"startTime:")?.parse().ok());
 }
 
 impl<R: BufRead> Iterator for TraceReader<R> {

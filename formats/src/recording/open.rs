@@ -4,22 +4,42 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::{Losses, Record, RecordingReader};
+use fieldwalk::floor_plan::Georeference;
+
+use super::{Losses, Record, RecordingInfo, RecordingReader};
 use crate::error::FormatError;
 use crate::get_sensor_data::{GetSensorDataReader, is_get_sensor_data};
-use crate::ilc::TraceReader;
+use crate::ilc::{LineRejections, TraceReader};
 
 /// A log of any format: a stream of records, and what there is to know about it.
 pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
-    /// The floor that the log says it was taken on; known once the first record has been read.
+    /// The floor that the log says it was taken on, as [`floor_ordinal`](crate::ilc::floor_ordinal) understands it;
+    /// known once the first record has been read.
     fn floor_name(&self) -> Option<&str>;
 
     /// What was not handed out so far.
     fn losses(&self) -> Losses;
+
+    /// The lines left out so far, by cause; `None` for a log that is no text. [`Losses::n_malformed`] is their number.
+    fn line_rejections(&self) -> Option<&LineRejections> {
+        None
+    }
+
+    /// What the log says about itself; known once the first record has been read.
+    fn info(&self) -> RecordingInfo {
+        RecordingInfo { floor: self.floor_name().unwrap_or_default().to_owned(), ..RecordingInfo::default() }
+    }
+
+    /// Whether waypoints are in the floor's frame; otherwise they are in metres east and north of the first.
+    fn is_in_floor_frame(&self) -> bool {
+        true
+    }
 }
 
 /// Opens the log at `path`, whichever format it is in: an MCAP recording, a text trace of the
 /// indoor-location-competition-20 collection, or a GetSensorData log.
+///
+/// Records come in the file's order, which is that of arrival: see [`InOrder`](super::InOrder).
 ///
 /// # Errors
 /// When the file cannot be opened, or is empty. What is of no such format gives an error as the first record is read.
@@ -34,6 +54,17 @@ pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
 /// # Ok::<(), fieldwalk_formats::FormatError>(())
 /// ```
 pub fn open_recording(path: &Path) -> Result<Box<dyn RecordSource + Send>, FormatError> {
+    open_recording_on(path, None)
+}
+
+/// As [`open_recording`], where waypoints that are given in degrees are placed on the floor at `georeference`.
+///
+/// # Errors
+/// As [`open_recording`].
+pub fn open_recording_on(
+    path: &Path,
+    georeference: Option<Georeference>,
+) -> Result<Box<dyn RecordSource + Send>, FormatError> {
     let failed = |error| FormatError::io("open the recording", path, error);
     let file = File::open(path).map_err(failed)?;
     let mut reader = BufReader::with_capacity(64 * 1024, file);
@@ -45,7 +76,11 @@ pub fn open_recording(path: &Path) -> Result<Box<dyn RecordSource + Send>, Forma
     Ok(if head[..n_compared] == mcap::MAGIC[..n_compared] {
         Box::new(RecordingReader::new(reader, path))
     } else if is_get_sensor_data(head) {
-        Box::new(GetSensorDataReader::new(reader, path))
+        let log = GetSensorDataReader::new(reader, path);
+        Box::new(match georeference {
+            Some(georeference) => log.with_georeference(georeference),
+            None => log,
+        })
     } else {
         Box::new(TraceReader::new(reader, path))
     })
@@ -59,15 +94,27 @@ impl<R: Read> RecordSource for RecordingReader<R> {
     fn losses(&self) -> Losses {
         *RecordingReader::losses(self)
     }
+
+    fn info(&self) -> RecordingInfo {
+        RecordingReader::info(self).cloned().unwrap_or_default()
+    }
 }
 
 impl<R: BufRead> RecordSource for TraceReader<R> {
+    fn info(&self) -> RecordingInfo {
+        TraceReader::info(self).clone()
+    }
+
     fn floor_name(&self) -> Option<&str> {
         TraceReader::floor_name(self)
     }
 
     fn losses(&self) -> Losses {
         Losses { n_malformed: self.rejections().total(), ..Losses::default() }
+    }
+
+    fn line_rejections(&self) -> Option<&LineRejections> {
+        Some(self.rejections())
     }
 }
 
@@ -78,5 +125,13 @@ impl<R: BufRead> RecordSource for GetSensorDataReader<R> {
 
     fn losses(&self) -> Losses {
         Losses { n_malformed: self.rejections().total(), ..Losses::default() }
+    }
+
+    fn line_rejections(&self) -> Option<&LineRejections> {
+        Some(self.rejections())
+    }
+
+    fn is_in_floor_frame(&self) -> bool {
+        GetSensorDataReader::is_in_floor_frame(self)
     }
 }

@@ -3,7 +3,7 @@
 use fieldwalk::floor_plan::{FloorPlan, Unit};
 use fieldwalk::geometry::{Point2, Segment};
 
-use crate::building::{Building, Corridor, Door, Rectangle, WayGraph};
+use crate::building::{Building, Corridor, Door, Rectangle, Stairs, WayGraph};
 
 /// Distance of a door from the ends of its wall, in metres, at least.
 const DOOR_MARGIN_M: f64 = 0.3;
@@ -45,6 +45,10 @@ pub struct GridBuilding {
     pub halls: Vec<[usize; 2]>,
     /// Blocks (column, row) whose lower left room is a lift.
     pub lifts: Vec<[usize; 2]>,
+    /// The block (column, row) whose upper left room holds the stairs, if there are any.
+    pub stairs: Option<[usize; 2]>,
+    /// Whether rooms stand between the outer corridors and the outline.
+    pub has_outer_rooms: bool,
 }
 
 impl Aisle {
@@ -58,26 +62,6 @@ impl Aisle {
 }
 
 impl GridBuilding {
-    /// The description of [`Building::office`].
-    pub fn office() -> Self {
-        let aisles = |list: &[(f64, f64)]| {
-            list.iter().map(|&(centre_m, width_m)| Aisle { centre_m, width_m }).collect()
-        };
-        Self {
-            name: "office".into(),
-            width_m: 60.0,
-            height_m: 40.0,
-            columns: aisles(&[(6.0, 1.6), (30.0, 1.2), (54.0, 1.6)]),
-            rows: aisles(&[(6.0, 1.6), (15.0, 0.9), (25.0, 0.7), (34.0, 1.6)]),
-            room_width_m: 4.5,
-            door_width_m: 0.9,
-            span_m: 7.5,
-            ceiling_m: 2.9,
-            halls: vec![[1, 1]],
-            lifts: vec![[0, 0]],
-        }
-    }
-
     /// The building.
     pub fn build(&self) -> Building {
         let mut building = Building {
@@ -95,7 +79,9 @@ impl GridBuilding {
         let (Some(bottom), Some(top)) = (self.rows.first(), self.rows.last()) else { return building };
         let ring = Rectangle::new(left.low_m(), bottom.low_m(), right.high_m(), top.high_m());
         self.add_corridors(&mut building, &ring);
-        self.add_outer_rooms(&mut building, &ring);
+        if self.has_outer_rooms {
+            self.add_outer_rooms(&mut building, &ring);
+        }
         for (i, x) in self.columns.windows(2).enumerate() {
             for (j, y) in self.rows.windows(2).enumerate() {
                 let block = Rectangle::new(x[0].high_m(), y[0].high_m(), x[1].low_m(), y[1].low_m());
@@ -103,12 +89,13 @@ impl GridBuilding {
                     self.add_hall(&mut building, &block);
                     building.halls.push(block);
                 } else {
-                    self.add_block(&mut building, &block, self.lifts.contains(&[i, j]));
+                    self.add_block(&mut building, &block, [i, j]);
                 }
             }
         }
         self.add_columns(&mut building);
-        building.ways = WayGraph::of_grid(&self.columns, &self.rows, &building.halls);
+        let stairs_at = building.stairs.as_ref().and_then(|stairs| stairs.line.first()).copied();
+        building.ways = WayGraph::of_grid(&self.columns, &self.rows, &building.halls, stairs_at);
         building.plan.pathways = building.corridors.iter().map(|c| vec![c.line.a, c.line.b]).collect();
         for hall in &building.halls {
             let x_m = hall.centre().x_m;
@@ -159,7 +146,8 @@ impl GridBuilding {
     }
 
     /// Two rows of rooms, back to back.
-    fn add_block(&self, building: &mut Building, block: &Rectangle, has_lift: bool) {
+    fn add_block(&self, building: &mut Building, block: &Rectangle, place: [usize; 2]) {
+        let (has_lift, has_stairs) = (self.lifts.contains(&place), self.stairs == Some(place));
         let middle_m = block.centre().y_m;
         for (k, span) in self.divided(block.low.x_m, block.high.x_m).windows(2).enumerate() {
             let x_m = self.door_at(span[0], span[1], k);
@@ -167,7 +155,12 @@ impl GridBuilding {
             let upper = Rectangle::new(span[0], middle_m, span[1], block.high.y_m);
             let is_lift = has_lift && k == 0;
             self.add_room(building, lower, Point2::new(x_m, block.low.y_m), Point2::new(1.0, 0.0));
-            self.add_room(building, upper, Point2::new(x_m, block.high.y_m), Point2::new(1.0, 0.0));
+            if has_stairs && k == 0 {
+                let corridor_m = self.rows.get(place[1] + 1).map_or(block.high.y_m, |row| row.centre_m);
+                self.add_stairwell(building, &upper, corridor_m);
+            } else {
+                self.add_room(building, upper, Point2::new(x_m, block.high.y_m), Point2::new(1.0, 0.0));
+            }
             if is_lift {
                 building.lifts.push(lower);
             }
@@ -186,16 +179,33 @@ impl GridBuilding {
         building.plan.units.push(Unit { name, walkable: true, polygon: hall.polygon() });
         let [a, b, c, d] = hall.corners();
         let middle_m = hall.centre().x_m;
-        for (from, to) in [(a, b), (d, c)] {
-            let door = Point2::new(middle_m, from.y_m);
-            let half = Point2::new(0.5 * self.door_width_m, 0.0);
-            building.plan.walls.push(Segment { a: from, b: door - half });
-            building.plan.walls.push(Segment { a: door + half, b: to });
-            let along = Point2::new(1.0, 0.0);
-            building.doors.push(Door { centre: door, along, width_m: self.door_width_m });
-        }
+        self.add_wall_with_door(building, a, b, middle_m);
+        self.add_wall_with_door(building, d, c, middle_m);
         building.plan.walls.push(Segment { a, b: d });
         building.plan.walls.push(Segment { a: b, b: c });
+    }
+
+    /// Stairs in a room whose door opens onto the corridor above it, with its middle at `corridor_m`.
+    fn add_stairwell(&self, building: &mut Building, room: &Rectangle, corridor_m: f64) {
+        let name = format!("stairs {}", building.doors.len() + 1);
+        building.plan.units.push(Unit { name, walkable: true, polygon: room.polygon() });
+        let [a, b, c, d] = room.corners();
+        let stairs = Stairs::in_room(room, corridor_m);
+        self.add_wall_with_door(building, d, c, stairs.line[0].x_m);
+        for (a, b) in [(a, b), (a, d), (b, c)] {
+            building.plan.walls.push(Segment { a, b });
+        }
+        building.stairs = Some(stairs);
+    }
+
+    /// A wall along x from `from` to `to` with a gap for a door about `door_m`.
+    fn add_wall_with_door(&self, building: &mut Building, from: Point2, to: Point2, door_m: f64) {
+        let door = Point2::new(door_m, from.y_m);
+        let half = Point2::new(0.5 * self.door_width_m, 0.0);
+        building.plan.walls.push(Segment { a: from, b: door - half });
+        building.plan.walls.push(Segment { a: door + half, b: to });
+        let along = Point2::new(1.0, 0.0);
+        building.doors.push(Door { centre: door, along, width_m: self.door_width_m });
     }
 
     /// Structural columns on a grid, moved into the walls where they would stand in a corridor or a hall's way.
@@ -205,7 +215,11 @@ impl GridBuilding {
             let place = |k: usize| (0.2 + (extent_m - 0.4) * k as f64 / n).min(extent_m - 0.2);
             let moved = |x_m: f64| {
                 let blocked = aisles.iter().find(|a| a.low_m() - 0.2 < x_m && x_m < a.high_m() + 0.2);
-                blocked.map_or(x_m, |aisle| aisle.high_m() + 0.2)
+                // Beside the corridor, on the side that is still in the building.
+                blocked.map_or(x_m, |aisle| {
+                    let beyond_m = aisle.high_m() + 0.2;
+                    if beyond_m < extent_m { beyond_m } else { aisle.low_m() - 0.2 }
+                })
             };
             (0..=n as usize).map(place).map(moved).collect()
         };

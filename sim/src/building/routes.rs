@@ -29,8 +29,14 @@ pub struct WayGraph {
 }
 
 impl WayGraph {
-    /// The ways of a grid of corridors, with `halls` between the rows that are crossed through their doors.
-    pub(super) fn of_grid(columns: &[Aisle], rows: &[Aisle], halls: &[Rectangle]) -> Self {
+    /// The ways of a grid of corridors, with `halls` between the rows that are crossed through their doors, and a node
+    /// before the stairs.
+    pub(super) fn of_grid(
+        columns: &[Aisle],
+        rows: &[Aisle],
+        halls: &[Rectangle],
+        stairs_at: Option<Point2>,
+    ) -> Self {
         let mut graph = Self::default();
         let n_columns = columns.len();
         for row in rows {
@@ -39,6 +45,11 @@ impl WayGraph {
         let mut doors: Vec<(usize, usize)> = Vec::new();
         for hall in halls {
             graph.add_hall(rows, hall, &mut doors);
+        }
+        let row_of = |p: Point2| rows.iter().position(|row| (row.centre_m - p.y_m).abs() < 1e-6);
+        if let Some((place, row)) = stairs_at.and_then(|place| Some((place, row_of(place)?))) {
+            doors.push((row, graph.nodes.len()));
+            graph.nodes.push(place);
         }
         for (j, row) in rows.iter().enumerate() {
             let of_row = doors.iter().filter(|(r, _)| *r == j).map(|(_, node)| *node);
@@ -106,13 +117,34 @@ impl WayGraph {
         if free_m.is_finite() { free_m } else { 0.0 }
     }
 
+    /// Whether `p` is within `margin_m` of the space that the ways need.
+    pub(crate) fn is_near(&self, p: Point2, margin_m: f64) -> bool {
+        self.ways.iter().any(|way| {
+            let line = Segment { a: self.nodes[way.from], b: self.nodes[way.to] };
+            line.distance_m(p) < way.free_m + margin_m
+        })
+    }
+
     /// A way through the building by chance, at least `length_m` long, that turns back only at dead ends.
     pub fn wander(&self, seed: u64, length_m: f64) -> Vec<Point2> {
         if self.nodes.is_empty() {
             return Vec::new();
         }
         let mut noise = Noise::new(seed, "wander", 0);
-        let mut path = vec![noise.index(self.nodes.len())];
+        let start = noise.index(self.nodes.len());
+        self.wander_on(start, &mut noise, length_m)
+    }
+
+    /// A way by chance that begins at the node nearest to `start`, at least `length_m` long.
+    pub fn wander_from(&self, start: Point2, seed: u64, length_m: f64) -> Vec<Point2> {
+        let nearest = (0..self.nodes.len())
+            .min_by(|&a, &b| start.distance_m(self.nodes[a]).total_cmp(&start.distance_m(self.nodes[b])));
+        let Some(nearest) = nearest else { return Vec::new() };
+        self.wander_on(nearest, &mut Noise::new(seed, "wander", 1), length_m)
+    }
+
+    fn wander_on(&self, start: usize, noise: &mut Noise, length_m: f64) -> Vec<Point2> {
+        let mut path = vec![start];
         let mut walked_m = 0.0;
         while walked_m < length_m && path.len() < 1_000 {
             let here = path[path.len() - 1];

@@ -1,11 +1,19 @@
-//! Steel that does not stay: furniture moved and doors opened between one walk and the next, trolleys that pass.
+//! Steel that does not stay: furniture moved and doors left open between one walk and the next; trolleys that pass, doors
+//! that swing and lifts that travel during a walk.
 
-use fieldwalk::geometry::{Point2, Segment};
+mod door;
+mod lift;
+mod trolley;
 
+use fieldwalk::geometry::Point2;
+
+use self::door::Leaf;
+use self::lift::Car;
+use self::trolley::Trolley;
 use crate::building::Building;
 use crate::magnetic_field::{MagneticField, Source};
 use crate::noise::Noise;
-use crate::vector::{Vector3, add};
+use crate::vector::add;
 
 /// How much steel moves, and how strongly it is magnetised.
 ///
@@ -21,6 +29,12 @@ pub struct MovableParams {
     pub steel_doors: f64,
     /// Pole strength of such a leaf, standard deviation, in µT·m²; default 3.
     pub leaf_ut_m2: f64,
+    /// Times a minute that a door is used while one walks by; default 0.03.
+    pub door_uses_per_minute: f64,
+    /// Trips of each lift in a minute; default 0.7.
+    pub lift_trips_per_minute: f64,
+    /// Pole strength of a lift's car, standard deviation, in µT·m²; default 40.
+    pub car_ut_m2: f64,
     /// Trolleys on each corridor in a minute; default 0.15.
     pub trolleys_per_minute: f64,
     /// Standard deviation of each component of a trolley's moment, in µT·m³; default 6.
@@ -34,59 +48,92 @@ impl Default for MovableParams {
             furniture_ut_m3: 2.0,
             steel_doors: 0.2,
             leaf_ut_m2: 3.0,
+            door_uses_per_minute: 0.03,
+            lift_trips_per_minute: 0.7,
+            car_ut_m2: 40.0,
             trolleys_per_minute: 0.15,
             trolley_ut_m3: 6.0,
         }
     }
 }
 
-/// The field of a floor during one walk: what stays, what stood so on that day, and what passed.
+/// The field of a building during one walk: what stays, what stood so on that day, and what moved.
 #[derive(Clone, Debug)]
 pub struct FieldOfDay<'a> {
     lasting: &'a MagneticField,
     standing: Vec<Source>,
-    passing: Vec<Trolley>,
+    moving: Vec<(f64, Moving)>,
 }
 
-/// A dipole that goes along a line at an even pace.
-#[derive(Clone, Copy, Debug)]
-struct Trolley {
-    line: Segment,
-    start_s: f64,
-    end_s: f64,
-    height_m: f64,
-    moment_ut_m3: Vector3,
+/// What moves during a walk.
+#[derive(Clone, Debug)]
+enum Moving {
+    Trolley(Trolley),
+    Leaf(Leaf),
+    Car(Car),
+}
+
+impl Moving {
+    fn at(&self, time_s: f64) -> [Option<Source>; 2] {
+        match self {
+            Self::Trolley(trolley) => [trolley.at(time_s), None],
+            Self::Leaf(leaf) => leaf.at(time_s).map(Some),
+            Self::Car(car) => [Some(car.at(time_s)), None],
+        }
+    }
 }
 
 impl<'a> FieldOfDay<'a> {
     /// The field with nothing but what stays.
     pub fn of(lasting: &'a MagneticField) -> Self {
-        Self { lasting, standing: Vec::new(), passing: Vec::new() }
+        Self { lasting, standing: Vec::new(), moving: Vec::new() }
     }
 
-    /// What moves in `building` on the day of `seed`, for a walk of `duration_s`.
+    /// With what moves on a floor whose height over the ground floor is `height_m`, on the day of `seed`, for a walk of
+    /// `duration_s`.
     ///
-    /// Which doors are of steel, and how they are magnetised, follows from `building_seed` and is the same every day.
-    pub fn drawn(
-        lasting: &'a MagneticField,
+    /// Which doors are of steel, and how doors and lifts are magnetised, follows from `building_seed` and is the same
+    /// every day.
+    #[must_use]
+    pub fn with_floor(
+        mut self,
         building: &Building,
+        height_m: f64,
         params: &MovableParams,
         duration_s: f64,
         [building_seed, seed]: [u64; 2],
     ) -> Self {
-        let mut day = Self::of(lasting);
-        day.place_furniture(building, params, seed);
-        day.hang_doors(building, params, [building_seed, seed]);
-        day.send_trolleys(building, params, duration_s, seed);
-        day
+        let first = self.standing.len();
+        self.place_furniture(building, params, seed);
+        for leaf in door::leaves(building, params, duration_s, [building_seed, seed]) {
+            if leaf.is_still() {
+                self.standing.extend(leaf.at(0.0));
+            } else {
+                self.moving.push((height_m, Moving::Leaf(leaf)));
+            }
+        }
+        for source in &mut self.standing[first..] {
+            *source = source.raised(height_m);
+        }
+        let trolleys = trolley::trolleys(building, params, duration_s, seed);
+        self.moving.extend(trolleys.into_iter().map(|trolley| (height_m, Moving::Trolley(trolley))));
+        // A shaft runs through all floors: its car belongs to the lowest.
+        if height_m == 0.0 {
+            let cars = lift::cars(building, params, duration_s, [building_seed, seed]);
+            self.moving.extend(cars.into_iter().map(|car| (0.0, Moving::Car(car))));
+        }
+        self
     }
 
-    /// The field at `place_m` (x, y, height over the floor) `time_s` into the walk: along x, along y and upward, in µT.
+    /// The field at `place_m` (x, y, height over the ground floor) `time_s` into the walk: along x, along y and upward,
+    /// in µT.
     pub fn field_ut(&self, place_m: [f64; 3], time_s: f64) -> [f64; 3] {
         let lasting = self.lasting.field_ut(place_m);
         let day = self.standing.iter().fold(lasting, |sum, source| add(sum, source.field_ut(place_m)));
-        let passing = self.passing.iter().filter_map(|trolley| trolley.at(time_s));
-        passing.fold(day, |sum, source| add(sum, source.field_ut(place_m)))
+        let moving = self.moving.iter().flat_map(|(height_m, moving)| {
+            moving.at(time_s).into_iter().flatten().map(|source| source.raised(*height_m))
+        });
+        moving.fold(day, |sum, source| add(sum, source.field_ut(place_m)))
     }
 
     fn place_furniture(&mut self, building: &Building, params: &MovableParams, seed: u64) {
@@ -97,69 +144,10 @@ impl<'a> FieldOfDay<'a> {
             let up_m = noise.within(0.3, 0.8);
             let moment_ut_m3 = noise.normal3(params.furniture_ut_m3);
             let is_in_way = |c: &crate::building::Corridor| c.line.distance_m(p) < 0.5 * c.width_m + 0.3;
-            if !building.corridors.iter().any(is_in_way) {
+            if !building.corridors.iter().any(is_in_way) && !building.ways.is_near(p, 0.3) {
                 self.standing.push(Source::Dipole { place_m: [p.x_m, p.y_m, up_m], moment_ut_m3 });
             }
         }
-    }
-
-    fn hang_doors(&mut self, building: &Building, params: &MovableParams, seeds: [u64; 2]) {
-        for (door, index) in building.doors.iter().zip(0u64..) {
-            let mut lasting = Noise::new(seeds[0], "door leaf", index);
-            let is_steel = lasting.chance(params.steel_doors);
-            let pole_ut_m2 = lasting.normal(params.leaf_ut_m2);
-            let into_room = building.inward(door);
-            if !is_steel {
-                continue;
-            }
-            // Shut, the free edge meets the other jamb; open, it stands in the room.
-            let hinge = door.centre - door.along * (0.5 * door.width_m);
-            let is_open = Noise::new(seeds[1], "door", index).chance(0.4);
-            let edge = hinge + if is_open { into_room } else { door.along } * (0.9 * door.width_m);
-            for (p, share) in [(hinge.lerp(edge, 0.25), 0.5), (hinge.lerp(edge, 0.9), 0.5)] {
-                self.standing.push(Source::Bar {
-                    north_pole_m: [p.x_m, p.y_m, 2.0],
-                    south_pole_m: [p.x_m, p.y_m, 0.02],
-                    pole_ut_m2: share * pole_ut_m2,
-                });
-            }
-        }
-    }
-
-    fn send_trolleys(&mut self, building: &Building, params: &MovableParams, duration_s: f64, seed: u64) {
-        if params.trolleys_per_minute <= 0.0 {
-            return;
-        }
-        for (corridor, index) in building.corridors.iter().zip(0u64..) {
-            let mut noise = Noise::new(seed, "trolleys", index);
-            let line = corridor.line;
-            let mut start_s = -60.0;
-            loop {
-                start_s -= 60.0 / params.trolleys_per_minute * libm::log(noise.unit());
-                if start_s >= duration_s {
-                    break;
-                }
-                let line = if noise.chance(0.5) { line } else { Segment { a: line.b, b: line.a } };
-                // People step aside for a trolley: it passes 0.6 m from the phone's way.
-                let along = line.b - line.a;
-                let aside = Point2::new(along.y_m, -along.x_m) * (0.6 / along.norm_m().max(1e-9));
-                let line = Segment { a: line.a + aside, b: line.b + aside };
-                let end_s = start_s + along.norm_m() / noise.within(0.8, 1.3);
-                let height_m = noise.within(0.2, 0.7);
-                let moment_ut_m3 = noise.normal3(params.trolley_ut_m3);
-                self.passing.push(Trolley { line, start_s, end_s, height_m, moment_ut_m3 });
-            }
-        }
-    }
-}
-
-impl Trolley {
-    fn at(&self, time_s: f64) -> Option<Source> {
-        let share = (time_s - self.start_s) / (self.end_s - self.start_s);
-        let p = self.line.a.lerp(self.line.b, share);
-        let source =
-            Source::Dipole { place_m: [p.x_m, p.y_m, self.height_m], moment_ut_m3: self.moment_ut_m3 };
-        (0.0..=1.0).contains(&share).then_some(source)
     }
 }
 
@@ -175,7 +163,7 @@ mod tests {
         let earth = EarthField::default();
         let field = MagneticField { sources: steel(&office, &earth, &SteelParams::default(), 1), earth };
         let params = MovableParams::default();
-        let day = |seed| FieldOfDay::drawn(&field, &office, &params, 200.0, [1, seed]);
+        let day = |seed| FieldOfDay::of(&field).with_floor(&office, 0.0, &params, 200.0, [1, seed]);
         let (first, again, other) = (day(1), day(1), day(2));
         let mut noise = Noise::new(1, "places", 0);
         let (mut square, n) = (0.0, 400);
@@ -190,5 +178,34 @@ mod tests {
         let sd_ut = (square / n as f64).sqrt();
         println!("a component differs by {sd_ut:.2} µT rms from day to day");
         assert!((0.3..4.0).contains(&sd_ut), "{sd_ut}");
+    }
+
+    #[test]
+    fn metal_that_passes_is_felt_for_a_while() {
+        let office = Building::office();
+        let field = MagneticField::default();
+        let busy = MovableParams {
+            furniture_per_m2: 0.0,
+            trolleys_per_minute: 5.0,
+            door_uses_per_minute: 1.0,
+            steel_doors: 1.0,
+            ..MovableParams::default()
+        };
+        let day = FieldOfDay::of(&field).with_floor(&office, 0.0, &busy, 120.0, [1, 1]);
+        let kinds = |is: fn(&Moving) -> bool| day.moving.iter().filter(|(_, moving)| is(moving)).count();
+        assert!(kinds(|moving| matches!(moving, Moving::Trolley(_))) > 5);
+        assert!(kinds(|moving| matches!(moving, Moving::Leaf(_))) > 30);
+        assert_eq!(kinds(|moving| matches!(moving, Moving::Car(_))), office.lifts.len());
+        // Standing in a corridor: quiet for the most part, some µT when something goes by.
+        let place = [20.0, 6.0, 1.1];
+        let strengths: Vec<f64> = (0..1200).map(|k| norm(day.field_ut(place, 0.1 * f64::from(k)))).collect();
+        let mut sorted = strengths.clone();
+        sorted.sort_by(f64::total_cmp);
+        let (median, most) = (sorted[600], sorted[1199] - sorted[0]);
+        let n_quiet = sorted.iter().filter(|s| (**s - median).abs() < 0.5).count();
+        println!("median {median:.1} µT, range {most:.1} µT, {n_quiet} of 1200 quiet");
+        assert!(most > 2.0 && n_quiet > 600, "{most} {n_quiet}");
+        // Nothing jumps: people and things move at a finite pace, and so does their field.
+        assert!(strengths.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 15.0));
     }
 }

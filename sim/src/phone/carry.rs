@@ -3,33 +3,67 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::noise::{Noise, SmoothNoise};
+use crate::phone::hold::Hold;
 use crate::vector::{Quaternion, Vector3, about, add, compose, rotate};
 use crate::walker::Body;
 
 const RIGHT: Vector3 = [1.0, 0.0, 0.0];
 const AHEAD: Vector3 = [0.0, 1.0, 0.0];
 const UP: Vector3 = [0.0, 0.0, 1.0];
+/// The phone's frequency when it is shaken, in Hz, and the hand's way to either side, in metres.
+const SHAKEN_HZ: f64 = 3.2;
+const SHAKEN_M: f64 = 0.05;
 
 /// Where a phone is while its owner walks.
+///
+/// # Source
+/// The attitudes are those of mass-centred 2019, Table 1 (its names in capitals). Angles and swings of the hand, the ear
+/// and the pockets are rounded from the motion capture of Michel et al. 2017 (one person, two phones).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CarryMode {
-    /// Held before the chest, screen up, top edge ahead and a little up.
+    /// Held before the chest, screen up, top edge ahead and a little up (UFH): reading, texting.
     HeldLevel,
-    /// In the right front trouser pocket, top down, screen outward; it swings with the thigh.
-    FrontPocket,
+    /// Held before the face, screen to the eyes, top edge ahead and far up (UFNH): a picture is taken.
+    HeldUpright,
+    /// Held level, top edge to the left (UL): a film is watched.
+    HeldLandscape,
+    /// Held level towards somebody half to the left, while the body goes on (UNF).
+    HeldAskew,
     /// At the right ear.
     AtEar,
     /// In the right hand beside the body, swinging with the arm.
     SwingingHand,
+    /// In the right front trouser pocket, top down, screen outward; it swings with the thigh.
+    FrontPocket,
+    /// In the right back trouser pocket, top up, screen to the back.
+    BackPocket,
+    /// Shaken by the hand that holds it.
+    Shaken,
     /// On a table where the owner stood when it was put down.
     OnTable,
 }
 
 impl CarryMode {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::HeldLevel, Self::FrontPocket, Self::AtEar, Self::SwingingHand, Self::OnTable];
+    pub const ALL: [Self; 10] = [
+        Self::HeldLevel,
+        Self::HeldUpright,
+        Self::HeldLandscape,
+        Self::HeldAskew,
+        Self::AtEar,
+        Self::SwingingHand,
+        Self::FrontPocket,
+        Self::BackPocket,
+        Self::Shaken,
+        Self::OnTable,
+    ];
+
+    /// Whether a hand holds it before the body.
+    fn is_held(self) -> bool {
+        use CarryMode::{HeldAskew, HeldLandscape, HeldLevel, HeldUpright, Shaken};
+        matches!(self, HeldLevel | HeldUpright | HeldLandscape | HeldAskew | Shaken)
+    }
 }
 
 /// One person's way of holding a phone: what is constant over a walk, and how the hand wavers.
@@ -47,6 +81,7 @@ pub struct Grip {
     liveliness: f64,
     /// Turn of the phone on a table, in radians.
     table_turn_rad: f64,
+    hold: Hold,
 }
 
 impl Grip {
@@ -60,6 +95,7 @@ impl Grip {
             phase_rad: [0; 3].map(|_| noise.within(-0.5, 0.5)),
             liveliness: noise.typical(1.0, 0.15),
             table_turn_rad: noise.within(-PI, PI),
+            hold: Hold::drawn(&mut noise),
         }
     }
 
@@ -70,7 +106,24 @@ impl Grip {
         let swing = |phase: usize| lively * libm::sin(stride_rad + self.phase_rad[phase]);
         let height_m = self.height_m;
         let (place, attitude) = match mode {
-            CarryMode::HeldLevel => ([0.0, 0.32, 0.64 * height_m], about(RIGHT, 0.45)),
+            CarryMode::HeldLevel => ([0.0, 0.32, 0.64 * height_m], about(RIGHT, 0.25)),
+            CarryMode::HeldUpright => ([0.0, 0.35, 0.78 * height_m], about(RIGHT, 1.1)),
+            CarryMode::HeldLandscape => {
+                ([0.0, 0.32, 0.66 * height_m], compose(about(RIGHT, 0.25), about(UP, FRAC_PI_2)))
+            }
+            CarryMode::HeldAskew => {
+                ([-0.1, 0.3, 0.66 * height_m], compose(about(UP, 0.9), about(RIGHT, 0.2)))
+            }
+            CarryMode::Shaken => return self.shaken(body, time_s),
+            CarryMode::BackPocket => {
+                // The seat turns with the pelvis and is pushed by the thigh.
+                let pelvis = compose(about(UP, -0.16 * swing(2)), about(RIGHT, 0.12 * swing(0)));
+                let seat = compose(about(UP, 2.5), about(RIGHT, 1.3));
+                (
+                    add([0.09, -0.1, 0.52 * height_m], rotate(pelvis, [0.0, -0.05, -0.04])),
+                    compose(pelvis, seat),
+                )
+            }
             CarryMode::FrontPocket => {
                 let thigh = about(RIGHT, 0.42 * swing(0));
                 let hip = [0.11, 0.04, 0.53 * height_m];
@@ -82,7 +135,7 @@ impl Grip {
             }
             CarryMode::SwingingHand => {
                 // Hands hang a little ahead, and swing against the leg of their side.
-                let arm = about(RIGHT, 0.15 - 0.35 * swing(0));
+                let arm = about(RIGHT, 0.25 - 0.45 * swing(0));
                 let shoulder = [0.22, 0.0, 0.82 * height_m];
                 let in_hand = compose(about(RIGHT, -0.6), about(AHEAD, -FRAC_PI_2));
                 (add(shoulder, rotate(arm, [0.0, 0.05, -0.4 * height_m])), compose(arm, in_hand))
@@ -90,19 +143,37 @@ impl Grip {
             CarryMode::OnTable => return ([0.3, 0.5, 0.75], about(UP, self.table_turn_rad)),
         };
         let sway =
-            [0.02 * lively * libm::sin(step_rad + self.phase_rad[1]), 0.02 * swing(1), 0.035 * swing(2)];
+            [0.035 * lively * libm::sin(step_rad + self.phase_rad[1]), 0.04 * swing(1), 0.06 * swing(2)];
         let turn = [0, 1, 2].map(|c| self.turn_rad[c] + self.waver[c].at(time_s) + sway[c]);
         let held = compose(about(UP, turn[2]), compose(about(AHEAD, turn[1]), about(RIGHT, turn[0])));
         (place, compose(held, attitude))
     }
 
-    /// How much of a heel strike's jolt reaches the phone.
-    pub(super) fn jolt_share(mode: CarryMode) -> f64 {
+    /// A hand before the chest that shakes the phone from side to side.
+    fn shaken(&self, body: &Body, time_s: f64) -> (Vector3, Quaternion) {
+        let (place, attitude) = self.pose(CarryMode::HeldLevel, body, time_s);
+        // Hands tire and begin again.
+        let shaking = self.liveliness * (0.8 + 4.0 * self.waver[1].at(time_s));
+        let phase_rad = TAU * SHAKEN_HZ * time_s + 8.0 * self.waver[2].at(time_s);
+        let (sin, cos) = libm::sincos(phase_rad);
+        let offset = [SHAKEN_M * shaking * sin, 0.3 * SHAKEN_M * shaking * cos, 0.0];
+        (add(place, offset), compose(about(AHEAD, 0.25 * shaking * sin), attitude))
+    }
+
+    /// The phone's rise by the trunk's bounce, in metres.
+    pub(super) fn bounced_m(&self, mode: CarryMode, body: &Body) -> f64 {
+        if mode.is_held() { self.hold.bounced_m(body) } else { body.bounced_m() }
+    }
+
+    /// How much of a heel strike's jolt, which rings at `frequency_hz`, reaches the phone.
+    pub(super) fn jolt_share(&self, mode: CarryMode, frequency_hz: f64) -> f64 {
         match mode {
-            CarryMode::HeldLevel | CarryMode::SwingingHand => 0.5,
+            CarryMode::SwingingHand => 0.5,
             CarryMode::FrontPocket => 1.5,
+            CarryMode::BackPocket => 1.2,
             CarryMode::AtEar => 0.6,
             CarryMode::OnTable => 0.0,
+            _ => self.hold.response(frequency_hz).0,
         }
     }
 }

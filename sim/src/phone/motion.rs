@@ -8,7 +8,7 @@ use crate::vector::{
     Quaternion, Vector3, about, add, between, compose, inverse, rotate, rotate_back, rotation_vector, scale,
     subtract,
 };
-use crate::walker::{Body, Gait};
+use crate::walker::{Body, Gait, JOLT_HZ, Wave};
 
 /// How long it takes to carry the phone otherwise, in seconds.
 const CHANGE_S: f64 = 1.5;
@@ -88,13 +88,15 @@ impl Carried {
             CarryMode::OnTable => (self.gait.body(from_s.max(0.0)), from_s.max(0.0)),
             _ => (*body, time_s),
         };
-        let still = Body { vigour: 0.0, offset_m: [0.0; 3], jolt_m: 0.0, ..body };
+        let still =
+            Body { vigour: 0.0, offset_m: [0.0; 3], bounce: [Wave::default(); 3], jolt_m: 0.0, ..body };
         let body = if mode == CarryMode::OnTable { still } else { body };
         let (place_m, body_from_device) = self.grip.pose(mode, &body, time_s);
-        let jolt = [0.0, 0.0, Grip::jolt_share(mode) * body.jolt_m];
+        let jolt_m = self.grip.jolt_share(mode, JOLT_HZ) * body.jolt_m;
+        let jolt = [0.0, 0.0, self.grip.bounced_m(mode, &body) + jolt_m];
         let floor_from_body: Quaternion = about([0.0, 0.0, 1.0], -body.heading_rad);
         let offset: Vector3 = add(add(place_m, body.offset_m), jolt);
-        let trunk = [body.position.x_m, body.position.y_m, 0.0];
+        let trunk = [body.position.x_m, body.position.y_m, body.height_m];
         Pose {
             place_m: add(trunk, rotate(floor_from_body, offset)),
             floor_from_device: compose(floor_from_body, body_from_device),
@@ -137,18 +139,55 @@ mod tests {
 
     #[test]
     fn at_rest_the_force_is_gravity_upward() {
-        for mode in CarryMode::ALL {
+        for mode in CarryMode::ALL.into_iter().filter(|mode| *mode != CarryMode::Shaken) {
             let carried = carried(mode);
             let force = carried.specific_force_m_s2(0.7);
             let up = rotate_back(carried.pose(0.7).floor_from_device, [0.0, 0.0, 1.0]);
             assert!((dot(force, up) - 9.806_65).abs() < 0.05, "{mode:?} {force:?}");
             assert!(norm(carried.angular_rate_rad_s(0.7)) < 0.1, "{mode:?}");
         }
+        // But for the hand that shakes while its owner stands: half a g and more, screen up on the whole.
+        let shaken = carried(CarryMode::Shaken);
+        let (mut square, mut screen) = (0.0, 0.0);
+        for k in 0..300 {
+            let t = 0.004 * f64::from(k);
+            let off_m_s2 = norm(shaken.specific_force_m_s2(t)) - f64::from(STANDARD_GRAVITY_M_S2);
+            square += off_m_s2 * off_m_s2 / 300.0;
+            screen += rotate_back(shaken.pose(t).floor_from_device, [0.0, 0.0, 1.0])[2] / 300.0;
+        }
+        assert!(square.sqrt() > 5.0 && screen > 0.8, "{square} {screen}");
         // Screen up on the table, and nearly so in the hand; top up at the ear; top down in the pocket.
         let up = |mode| rotate_back(carried(mode).pose(0.7).floor_from_device, [0.0, 0.0, 1.0]);
         assert!(up(CarryMode::OnTable)[2] > 0.999 && up(CarryMode::HeldLevel)[2] > 0.7);
         assert!(up(CarryMode::AtEar)[1] > 0.6 && up(CarryMode::FrontPocket)[1] < -0.8);
         assert!(up(CarryMode::SwingingHand)[0] > 0.7);
+        // Held before the face the top is up; in the back pocket too, its screen looking back and a little down.
+        assert!(up(CarryMode::HeldUpright)[1] > 0.7 && up(CarryMode::BackPocket)[1] > 0.85);
+        for held in [CarryMode::HeldLandscape, CarryMode::HeldAskew] {
+            assert!(up(held)[2] > 0.8, "{held:?}");
+        }
+    }
+
+    #[test]
+    fn top_edges_point_where_their_modes_say() {
+        // How far ahead (+1), to the left (+1) the top edge points while standing, averaged over people.
+        let top = |mode| {
+            let mut sum = [0.0; 3];
+            for seed in 0..20 {
+                let Carried { gait, .. } = carried(mode);
+                let carried = Carried::new(gait, Grip::drawn(1.7, seed), &[(0.0, mode)]);
+                let heading = about([0.0, 0.0, 1.0], -carried.gait().body(0.7).heading_rad);
+                let top = rotate(carried.pose(0.7).floor_from_device, [0.0, 1.0, 0.0]);
+                sum = add(sum, scale(rotate_back(heading, top), 1.0 / 20.0));
+            }
+            [sum[1], -sum[0]]
+        };
+        assert!(top(CarryMode::HeldLevel)[0] > 0.9);
+        assert!(top(CarryMode::HeldLandscape)[1] > 0.9);
+        let [ahead, left] = top(CarryMode::HeldAskew);
+        assert!((0.5..0.75).contains(&ahead) && left > 0.6, "{ahead} {left}");
+        let [ahead, _] = top(CarryMode::SwingingHand);
+        assert!(ahead > 0.6, "{ahead}");
     }
 
     #[test]

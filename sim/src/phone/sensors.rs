@@ -3,6 +3,7 @@
 use fieldwalk::sensor::{Reading, Sample};
 use fieldwalk::time::{Duration, Timestamp};
 
+use crate::air::Air;
 use crate::magnetic_field::FieldOfDay;
 use crate::noise::Noise;
 use crate::phone::Carried;
@@ -48,6 +49,8 @@ pub struct PhoneModel {
     pub gyroscope: SensorModel,
     /// Magnetic field, in µT; its bias is the hard iron that moves with the phone.
     pub magnetometer: SensorModel,
+    /// Air pressure, in hPa; the first of its axes counts.
+    pub barometer: SensorModel,
     /// Which magnetometer outputs there are.
     pub output: Magnetometer,
     /// Standard deviation of each element of the soft-iron matrix about the unit matrix.
@@ -72,8 +75,8 @@ impl Default for PhoneModel {
     /// A middling phone of recent years at 100 Hz, its magnetometer at 50 Hz.
     ///
     /// # Source
-    /// Noise from data sheets of the usual parts (Bosch BMI160, AKM AK09918); biases after the operating system's own
-    /// calibration.
+    /// Noise from data sheets of the usual parts (Bosch BMI160 and BMP280, AKM AK09918); biases after the operating
+    /// system's own calibration, the barometer's as delivered (±1 hPa).
     fn default() -> Self {
         Self {
             accelerometer: SensorModel {
@@ -103,6 +106,15 @@ impl Default for PhoneModel {
                 scale_sd: 0.0,
                 quantum: 0.15,
             },
+            barometer: SensorModel {
+                rate_hz: 10.0,
+                noise_sd: 0.013,
+                bias_sd: 0.5,
+                drift_sd: 0.02,
+                drift_tau_s: 600.0,
+                scale_sd: 0.0,
+                quantum: 0.001_6,
+            },
             output: Magnetometer::Uncalibrated,
             soft_iron_sd: 0.015,
             os_bias_error_ut: 2.0,
@@ -126,16 +138,16 @@ impl PhoneModel {
         self
     }
 
-    /// What the phone records from `origin` on: `device` and `seed` decide about this copy of it and about this walk.
+    /// What the phone records from `origin` on; `seeds` decide about this copy of it, and about this walk.
     ///
     /// Samples are in order of time within each sensor.
     pub fn record(
         &self,
         carried: &Carried,
         field: &FieldOfDay<'_>,
+        air: &Air,
         origin: Timestamp,
-        device: u64,
-        seed: u64,
+        [device, seed]: [u64; 2],
     ) -> Vec<Sample> {
         let gaps = self.gaps(carried.gait().duration_s(), seed);
         let mut samples = Vec::new();
@@ -161,6 +173,11 @@ impl PhoneModel {
                 push(t, Reading::MagneticField([0, 1, 2].map(|c| field_ut[c] - bias_ut[c])));
             }
         });
+        self.sense(&self.barometer, "barometer", [device, seed], carried, &gaps, |t, sensor| {
+            let truth_hpa = air.pressure_hpa(carried.pose(t).place_m[2], t);
+            let [pressure_hpa, ..] = sensor.read([truth_hpa; 3]);
+            push(t, Reading::Pressure { pressure_hpa });
+        });
         samples
     }
 
@@ -173,6 +190,9 @@ impl PhoneModel {
         gaps: &[[f64; 2]],
         mut take: impl FnMut(f64, &mut Sensor),
     ) {
+        if model.rate_hz <= 0.0 {
+            return;
+        }
         let mut clock = Noise::new(seed, name, 2);
         let rate_hz = model.rate_hz * (1.0 + clock.within(-self.rate_error, self.rate_error));
         let mut sensor = Sensor::new(model, name, device, seed);
@@ -263,8 +283,13 @@ mod tests {
         let grip = Grip::drawn(walker.height_m, seed);
         let carried = Carried::new(gait.clone(), grip, &[(0.0, mode)]);
         let earth = MagneticField::default();
-        let mut samples =
-            model.record(&carried, &FieldOfDay::of(&earth), Timestamp::from_millis(0), seed, seed);
+        let mut samples = model.record(
+            &carried,
+            &FieldOfDay::of(&earth),
+            &Air::default(),
+            Timestamp::from_millis(0),
+            [seed, seed],
+        );
         samples.sort_by_key(|sample| sample.time);
         (gait, samples)
     }

@@ -16,6 +16,10 @@ pub struct TruthPoint {
     pub position: Point2,
     /// Where it faced, clockwise from +y, in radians.
     pub heading_rad: f64,
+    /// Height of the feet over the ground floor, in metres.
+    pub height_m: f64,
+    /// The floor's number; on stairs, that of the nearer one.
+    pub floor: i32,
 }
 
 /// A walk as a phone records it, with the truth.
@@ -47,6 +51,8 @@ impl Recorded {
             heading_rad: wrap_rad(
                 before.heading_rad + share * wrap_rad(after.heading_rad - before.heading_rad),
             ),
+            height_m: before.height_m + share * (after.height_m - before.height_m),
+            floor: if share < 0.5 { before.floor } else { after.floor },
         })
     }
 

@@ -2,16 +2,18 @@
 
 use fieldwalk::geometry::Point2;
 
-use crate::building::{Building, keeping_right};
+use crate::building::{Building, Rectangle, keeping_right, lanes};
 
 /// Distance of the second line from a corridor's middle, in metres, where there is room.
 ///
 /// # Source
 /// Mass-centred 2019: one line in corridors of 0.7 m, two more 0.5 m apart in those of 1.6 m.
 const ASIDE_M: f64 = 0.5;
+/// Distance between the lines in what is wider, in metres, about: nobody surveys a mall at 0.5 m.
+const WIDE_ASIDE_M: f64 = 1.6;
 
 /// Lines that cover `building`: to and fro along all corridors of each direction, down their middles and to their
-/// right sides, and through every hall. Each is walked in both directions.
+/// right sides, through every hall, and along the lanes of open rooms. Each is walked in both directions.
 pub fn survey_lines(building: &Building) -> Vec<Vec<Point2>> {
     let (mut along_x, mut along_y) = (Vec::new(), Vec::new());
     for corridor in &building.corridors {
@@ -27,9 +29,16 @@ pub fn survey_lines(building: &Building) -> Vec<Vec<Point2>> {
     let mut lines = Vec::new();
     for middle in &middles {
         for line in both_ways(middle) {
-            let free: Vec<f64> =
-                line.windows(2).map(|p| building.ways.free_m(p[0], p[1]).min(ASIDE_M)).collect();
-            lines.push(keeping_right(&line, &free));
+            let free: Vec<f64> = line.windows(2).map(|p| building.ways.free_m(p[0], p[1])).collect();
+            let widest_m = free.iter().copied().fold(0.0, f64::max);
+            let mut aside_m = ASIDE_M;
+            loop {
+                lines.push(keeping_right(&line, &free.iter().map(|m| m.min(aside_m)).collect::<Vec<_>>()));
+                aside_m += WIDE_ASIDE_M;
+                if aside_m > widest_m {
+                    break;
+                }
+            }
         }
     }
     for hall in &building.halls {
@@ -50,8 +59,28 @@ pub fn survey_lines(building: &Building) -> Vec<Vec<Point2>> {
         ];
         middles.push(places.map(|(x_m, y_m)| Point2::new(x_m, y_m)).to_vec());
     }
-    lines.extend(middles.iter().flat_map(|middle| both_ways(middle)));
+    middles.extend(building.squares.iter().flat_map(lanes_of));
+    middles.extend(between_rooms(building));
+    lines.extend(middles.iter().filter(|middle| middle.len() > 1).flat_map(|middle| both_ways(middle)));
     lines
+}
+
+/// To and fro over an open room, along its length and across it.
+fn lanes_of(room: &Rectangle) -> [Vec<Point2>; 2] {
+    let (xs, ys) = lanes(room, WIDE_ASIDE_M);
+    [to_and_fro(&ys, &xs, |y, x| Point2::new(x, y)), to_and_fro(&xs, &ys, Point2::new)]
+}
+
+/// From the middle of one open room through each door to the middle of the next.
+fn between_rooms(building: &Building) -> impl Iterator<Item = Vec<Point2>> {
+    building.doors.iter().map(|door| {
+        let across = Point2::new(-door.along.y_m, door.along.x_m);
+        let room_at =
+            |p: Point2| building.squares.iter().find(|room| room.contains(p)).map(Rectangle::centre);
+        let (before, after) = (door.centre - across * 0.8, door.centre + across * 0.8);
+        let (first, last) = (room_at(before), room_at(after));
+        first.zip(last).map_or(Vec::new(), |(first, last)| vec![first, before, after, last])
+    })
 }
 
 fn both_ways(line: &[Point2]) -> [Vec<Point2>; 2] {

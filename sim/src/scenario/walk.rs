@@ -22,6 +22,9 @@ pub struct Walk {
     pub name: String,
     /// The line that the walker means to follow.
     pub path: Vec<Point2>,
+    /// Height of the floor over the ground floor at each point of `path`, in metres; where there are fewer, the last
+    /// holds on; none for the ground floor. A stretch whose ends differ is a flight of stairs.
+    pub heights_m: Vec<f64>,
     /// Stops on the way.
     pub pauses: Vec<Pause>,
     /// Who walks.
@@ -44,6 +47,7 @@ impl Walk {
         Self {
             name: name.into(),
             path,
+            heights_m: Vec::new(),
             pauses: Vec::new(),
             walker: WalkerProfile::default(),
             carrying: vec![(0.0, CarryMode::HeldLevel)],

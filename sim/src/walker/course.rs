@@ -19,6 +19,19 @@ pub struct Course {
     start_heading_rad: f64,
     corners: Vec<Corner>,
     length_m: f64,
+    /// Places along the polyline and the floor's height at each, in metres; between them the height is linear.
+    heights_m: Vec<(f64, f64)>,
+}
+
+/// A flight of stairs on a course.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flight {
+    /// Where it begins, in metres along the course.
+    pub from_m: f64,
+    /// Where it ends.
+    pub to_m: f64,
+    /// How far it leads up, in metres; down where negative.
+    pub rise_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,12 +44,20 @@ struct Corner {
 }
 
 impl Course {
-    /// The course along `points`; points that repeat count once.
+    /// The course along `points` on the ground floor; points that repeat count once.
     pub fn new(points: &[Point2]) -> Self {
+        Self::with_heights(points, &[])
+    }
+
+    /// The course along `points`, the floor at each as high as `heights_m` says, in metres; where there are fewer
+    /// heights the last holds on, and none means 0. A stretch whose ends differ in height is a flight of stairs.
+    pub fn with_heights(points: &[Point2], heights_m: &[f64]) -> Self {
         let mut line: Vec<Point2> = Vec::with_capacity(points.len());
-        for &point in points {
+        let mut heights: Vec<f64> = Vec::with_capacity(points.len());
+        for (k, &point) in points.iter().enumerate() {
             if line.last().is_none_or(|last| last.distance_m(point) > 1e-6) {
                 line.push(point);
+                heights.push(heights_m.get(k).or(heights_m.last()).copied().unwrap_or(0.0));
             }
         }
         let start = line.first().copied().unwrap_or_default();
@@ -47,6 +68,12 @@ impl Course {
                 ((pair[1] - pair[0]) * (1.0 / length_m), length_m)
             })
             .collect();
+        let mut along_m = 0.0;
+        let ends_m = [0.0].into_iter().chain(stretches.iter().map(|stretch| {
+            along_m += stretch.1;
+            along_m
+        }));
+        let heights_m = ends_m.zip(heights).collect();
         let mut at_m = 0.0;
         let corners = stretches
             .windows(2)
@@ -66,7 +93,29 @@ impl Course {
             start_heading_rad: start_along.heading_rad(),
             corners,
             length_m: stretches.iter().map(|stretch| stretch.1).sum(),
+            heights_m,
         }
+    }
+
+    /// Height of the floor or of the stairs' slope `at_m` along, in metres over the ground floor.
+    pub fn height_m(&self, at_m: f64) -> f64 {
+        let k = self.heights_m.partition_point(|(place_m, _)| *place_m <= at_m);
+        match (k.checked_sub(1).and_then(|k| self.heights_m.get(k)), self.heights_m.get(k)) {
+            (Some((from_m, low_m)), Some((to_m, high_m))) => {
+                low_m + (high_m - low_m) * (at_m - from_m) / (to_m - from_m)
+            }
+            (Some((_, height_m)), None) | (None, Some((_, height_m))) => *height_m,
+            (None, None) => 0.0,
+        }
+    }
+
+    /// The flights of stairs on the way, in order.
+    pub fn flights(&self) -> impl Iterator<Item = Flight> {
+        self.heights_m.windows(2).filter(|pair| (pair[1].1 - pair[0].1).abs() > 1e-6).map(|pair| Flight {
+            from_m: pair[0].0,
+            to_m: pair[1].0,
+            rise_m: pair[1].1 - pair[0].1,
+        })
     }
 
     /// Length of the polyline, in metres; the course itself cuts the corners a little.

@@ -10,27 +10,61 @@ use crate::walker::{Course, Pause, Step, WalkerProfile, pace};
 
 /// The jolt of a heel strike: how long it rings, in seconds, and at what frequency.
 const JOLT_S: f64 = 0.15;
-const JOLT_HZ: f64 = 10.0;
+pub(crate) const JOLT_HZ: f64 = 10.0;
 /// Share of the body's rise in the second harmonic of the step, and in the stride's.
 const SECOND_HARMONIC: f64 = 0.06;
 /// Variation of speed within a step, over the mean speed.
 const SURGE: f64 = 0.08;
+
+/// On stairs the body rises and falls by fits: its vertical speed varies by this share of its mean, and is greatest at
+/// this share of the step, upwards and downwards.
+///
+/// # Source
+/// Ours, after the forces in Riener, Rabuffetti and Frigo 2002: the leg that has just been set up lifts the body; on the
+/// way down the lower foot catches it.
+const UNEVEN_CLIMB: f64 = 0.8;
+const LIFTED_AT: f64 = 0.35;
+const LET_DOWN_AT: f64 = 0.8;
+/// How much harder a foot meets a tread 0.17 m lower than the level floor.
+const LANDING_DOWN: f64 = 1.0 / 0.17;
 
 /// The body at one instant. Offsets are of the trunk's centre, in the frame of the body (right, ahead, up).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body {
     /// Where the walker is: on the path, without the sway of the gait.
     pub position: Point2,
+    /// Height of the floor under the walker, or of the slope of the stairs, in metres over the ground floor.
+    pub height_m: f64,
     /// Where the walker faces, clockwise from +y, in radians, in [-π, π).
     pub heading_rad: f64,
     /// Grows by 1 through each step, from a heel strike to the next; the right foot swings from even to odd numbers.
     pub step_phase: f64,
     /// 0 when standing, 1 in full stride.
     pub vigour: f64,
-    /// Offset of the trunk by the gait, without the jolts of heel strikes, in metres.
+    /// Offset of the trunk by the gait, without the bounce and the jolts of heel strikes, in metres.
     pub offset_m: [f64; 3],
+    /// The trunk's rise and fall within steps and strides: the parts of its upward offset by frequency.
+    pub bounce: [Wave; 3],
     /// Upward offset by the jolt of a heel strike, in metres.
     pub jolt_m: f64,
+}
+
+/// A part of a periodic motion: `amplitude_m · cos(phase_rad)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wave {
+    /// Its amplitude, in metres.
+    pub amplitude_m: f64,
+    /// Where it is in its period, in radians.
+    pub phase_rad: f64,
+    /// Its frequency at this time, in Hz.
+    pub frequency_hz: f64,
+}
+
+impl Body {
+    /// The trunk's rise by its bounce, in metres.
+    pub fn bounced_m(&self) -> f64 {
+        self.bounce.iter().map(|wave| wave.amplitude_m * libm::cos(wave.phase_rad)).sum()
+    }
 }
 
 /// A walk in time: who walks where, step by step, and the body at every instant.
@@ -55,6 +89,10 @@ struct Bout {
     at_m: Spline,
     phase: Spline,
     length_m: Spline,
+    step_hz: Spline,
+    /// Height of the floor at the feet, and the rise of each step.
+    height_m: Spline,
+    climb_m: Spline,
     contacts_s: Vec<f64>,
     is_first_right: bool,
 }
@@ -67,8 +105,8 @@ impl Gait {
         let mut noise = Noise::new(seed, "gait", 0);
         Self {
             walker: *walker,
+            bouts: planned.iter().filter_map(|steps| Bout::of(steps, &course)).collect(),
             course,
-            bouts: planned.iter().filter_map(|steps| Bout::of(steps)).collect(),
             end_s: steps.last().map_or(0.0, |step| step.end_s) + standing_s,
             steps,
             stray: SmoothNoise::new(&mut noise, walker.stray_m, [0.02, 0.12]),
@@ -119,7 +157,8 @@ impl Gait {
         let (sin, cos) = libm::sincos(heading_rad);
         let right = Point2::new(cos, -sin);
         let position = self.course.position(at_m) + right * self.stray.at(at_m);
-        let still = Body { position, heading_rad, ..Body::default() };
+        let height_m = bout.map_or(self.course.height_m(0.0), |bout| bout.height_m.at(time_s));
+        let still = Body { position, height_m, heading_rad, ..Body::default() };
         bout.map_or(still, |bout| self.in_bout(bout, time_s, still))
     }
 
@@ -135,16 +174,28 @@ impl Gait {
         let length_m = bout.length_m.at(time_s);
         let half_rise_m = 0.5 * self.walker.rise_m(length_m);
         let step_rad = TAU * step_phase;
+        let step_hz = bout.step_hz.at(time_s);
+        let wave = |amplitude_m: f64, phase_rad: f64, harmonic: f64| Wave {
+            amplitude_m: vigour * amplitude_m,
+            phase_rad,
+            frequency_hz: harmonic * step_hz,
+        };
         // Lowest just after the heel strike, when both feet are down, highest over the standing foot.
-        let second = SECOND_HARMONIC * libm::cos(2.0 * step_rad + 0.8);
-        let limp = 2.0 * self.walker.asymmetry * libm::cos(0.5 * step_rad + 0.4);
-        let up_m = half_rise_m * (second + limp - libm::cos(step_rad - 0.3));
+        let bounce = [
+            wave(-half_rise_m, step_rad - 0.3, 1.0),
+            wave(SECOND_HARMONIC * half_rise_m, 2.0 * step_rad + 0.8, 2.0),
+            wave(2.0 * self.walker.asymmetry * half_rise_m, 0.5 * step_rad + 0.4, 0.5),
+        ];
+        let climb_m = bout.climb_m.at(time_s);
+        // Up, the body is lifted early in the step; down, it is let down late.
+        let lag_rad = TAU * if climb_m > 0.0 { LIFTED_AT } else { LET_DOWN_AT };
+        let up_m = UNEVEN_CLIMB * climb_m / TAU * libm::sin(step_rad - lag_rad);
         // Fastest when lowest.
         let ahead_m = SURGE * length_m / TAU * libm::sin(step_rad - 0.3);
         // Over the standing foot: to the left while the right foot swings.
         let right_m = -self.walker.sway_m * libm::sin(0.5 * step_rad + self.sway_phase_rad);
         let offset_m = [right_m, ahead_m, up_m].map(|c| vigour * c);
-        Body { step_phase, vigour, offset_m, jolt_m, ..still }
+        Body { step_phase, vigour, offset_m, bounce, jolt_m, ..still }
     }
 
     /// A burst of 10 Hz after each contact, as strong as the step was long.
@@ -157,24 +208,35 @@ impl Gait {
         let window = libm::sin(PI * after_s / JOLT_S);
         let radians_s = TAU * JOLT_HZ;
         let peak_m = self.walker.heel_strike_m_s2 / (radians_s * radians_s);
-        let strength = bout.length_m.at(time_s) / self.walker.step_length_m(1.2);
+        let drop_m = (-bout.climb_m.at(time_s)).max(0.0);
+        let strength = bout.length_m.at(time_s) / self.walker.step_length_m(1.2) + LANDING_DOWN * drop_m;
         peak_m * strength * window * window * window * window * libm::cos(radians_s * (after_s - 0.04) + PI)
     }
 }
 
 impl Bout {
-    fn of(steps: &[Step]) -> Option<Self> {
+    fn of(steps: &[Step], course: &Course) -> Option<Self> {
         let (first, last) = (steps.first()?, steps.last()?);
         let times_s: Vec<f64> = [first.start_s].into_iter().chain(steps.iter().map(|s| s.end_s)).collect();
         let places_m = [first.from_m].into_iter().chain(steps.iter().map(|s| s.from_m + s.length_m));
+        let places_m: Vec<f64> = places_m.collect();
+        let heights_m: Vec<f64> = places_m.iter().map(|&at_m| course.height_m(at_m)).collect();
+        let climbs_m = heights_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let phases = (0..times_s.len()).map(|k| k as f64);
-        let middles_s = steps.iter().map(|s| 0.5 * (s.start_s + s.end_s)).collect();
+        let middles_s: Vec<f64> = steps.iter().map(|s| 0.5 * (s.start_s + s.end_s)).collect();
         Some(Self {
             start_s: first.start_s,
             end_s: last.end_s,
             full_s: [first.end_s, last.start_s],
-            at_m: Spline::new(times_s.clone(), places_m.collect(), Ends::Level),
+            at_m: Spline::new(times_s.clone(), places_m, Ends::Level),
             phase: Spline::new(times_s.clone(), phases.collect(), Ends::Straight),
+            height_m: Spline::new(times_s.clone(), heights_m, Ends::Level),
+            climb_m: Spline::new(middles_s.clone(), climbs_m, Ends::Straight),
+            step_hz: Spline::new(
+                middles_s.clone(),
+                steps.iter().map(|s| 1.0 / (s.end_s - s.start_s)).collect(),
+                Ends::Straight,
+            ),
             length_m: Spline::new(middles_s, steps.iter().map(|s| s.length_m).collect(), Ends::Straight),
             contacts_s: times_s[1..].to_vec(),
             is_first_right: first.is_right,
@@ -231,7 +293,7 @@ mod tests {
             let t = 5.0 + 0.013 * f64::from(k);
             let place = |t: f64| {
                 let body = gait.body(t);
-                [body.offset_m[0], body.offset_m[1], body.offset_m[2] + body.jolt_m]
+                [body.offset_m[0], body.offset_m[1], body.offset_m[2] + body.bounced_m() + body.jolt_m]
             };
             let (a, b, c) = (place(t - h), place(t), place(t + h));
             for d in 0..3 {

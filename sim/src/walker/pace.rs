@@ -1,7 +1,8 @@
 //! The plan of a walk: step by step, how long and how far.
 
+use crate::building::GOING_M;
 use crate::noise::{Noise, SmoothNoise};
-use crate::walker::{Course, WalkerProfile};
+use crate::walker::{Course, Flight, WalkerProfile};
 
 /// A walker turns no faster than this, in rad/s: before a sharp corner the pace slackens.
 ///
@@ -12,6 +13,15 @@ const MAX_TURNING_RAD_S: f64 = 2.6;
 const MIN_SPEED_M_S: f64 = 0.45;
 /// The first step takes longer than the others by this factor: the body starts from rest.
 const FIRST_STEP_TIME: f64 = 1.2;
+
+/// Steps a second up and down stairs of 30° at a usual pace.
+///
+/// # Source
+/// Riener, Rabuffetti and Frigo 2002, *Stair ascent and descent at different inclinations*: strides of 1.41 and 1.20 s.
+const UPSTAIRS_HZ: f64 = 1.42;
+const DOWNSTAIRS_HZ: f64 = 1.67;
+/// The step frequency on the level that goes with those, in Hz.
+const USUAL_HZ: f64 = 1.77;
 
 /// A stop on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,23 +61,32 @@ pub(super) fn plan(
     let mut noise = Noise::new(seed, "steps", 0);
     // The pace wavers by 3 % over ten to forty seconds.
     let waver = SmoothNoise::new(&mut noise, 0.03, [0.025, 0.1]);
-    let mut stops: Vec<Pause> = pauses.to_vec();
-    stops.retain(|pause| pause.at_m > 1.0 && pause.at_m < course.length_m() - 1.0);
-    stops.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
-    stops.push(Pause { at_m: course.length_m(), duration_s: 0.0 });
+    let flights: Vec<Flight> = course.flights().collect();
     let (mut time_s, mut at_m, mut is_right) = (start_s, 0.0, noise.chance(0.5));
-    let mut bouts = Vec::with_capacity(stops.len());
-    for stop in stops {
-        let mut bout = Bout::new();
+    let mut bouts = Vec::new();
+    let mut bout = Bout::new();
+    for mark in marks(course, &flights, pauses) {
         let mut last_length_m = None;
-        while stop.at_m - at_m > 1e-3 && bout.len() < 100_000 {
+        while mark.at_m - at_m > 1e-3 && bout.len() < 100_000 {
+            let flight =
+                flights.iter().find(|flight| flight.from_m - 1e-3 <= at_m && at_m < flight.to_m - 1e-3);
             let speed_m_s = speed_m_s(walker, course, at_m, 1.0 + waver.at(time_s));
-            let usual_m = walker.step_length_m(speed_m_s) * (1.0 + noise.normal(walker.length_sd));
+            let (mut usual_m, mut usual_hz) =
+                (walker.step_length_m(speed_m_s), walker.step_frequency_hz(speed_m_s));
+            let mut length_sd = walker.length_sd;
+            if let Some(flight) = flight {
+                usual_hz *= if flight.rise_m > 0.0 { UPSTAIRS_HZ } else { DOWNSTAIRS_HZ } / USUAL_HZ;
+                // Feet go from tread to tread.
+                let n = ((flight.to_m - flight.from_m) / GOING_M).round().max(1.0);
+                (usual_m, length_sd) = ((flight.to_m - flight.from_m) / n, 0.0);
+            }
+            let usual_m = usual_m * (1.0 + noise.normal(length_sd));
             let side = if is_right { walker.asymmetry } else { -walker.asymmetry };
-            let usual_s = (1.0 + side + noise.normal(walker.time_sd)) / walker.step_frequency_hz(speed_m_s);
-            let left_m = stop.at_m - at_m;
+            let usual_s = (1.0 + side + noise.normal(walker.time_sd)) / usual_hz;
+            let left_m = mark.at_m - at_m;
             let length_m = match last_length_m.take() {
                 Some(last_m) => left_m.min(last_m),
+                None if flight.is_some() => usual_m.min(left_m),
                 None if bout.is_empty() => (0.5 * usual_m).min(left_m),
                 None if left_m <= 0.65 * usual_m => left_m,
                 None if left_m <= 1.3 * usual_m => {
@@ -82,10 +101,32 @@ pub(super) fn plan(
             at_m += length_m;
             is_right = !is_right;
         }
-        time_s += stop.duration_s;
-        bouts.push(bout);
+        if let Some(duration_s) = mark.stop_s {
+            time_s += duration_s;
+            bouts.push(std::mem::take(&mut bout));
+        }
     }
     bouts
+}
+
+/// A place where a foot comes down: before and after stairs, and where the walker stops for so many seconds.
+struct Mark {
+    at_m: f64,
+    stop_s: Option<f64>,
+}
+
+fn marks(course: &Course, flights: &[Flight], pauses: &[Pause]) -> Vec<Mark> {
+    let mut marks = vec![Mark { at_m: course.length_m(), stop_s: Some(0.0) }];
+    for flight in flights {
+        marks.extend([flight.from_m, flight.to_m].map(|at_m| Mark { at_m, stop_s: None }));
+    }
+    let is_on_stairs =
+        |at_m: f64| flights.iter().any(|flight| flight.from_m - 1.0 < at_m && at_m < flight.to_m + 1.0);
+    let is_within = |at_m: f64| at_m > 1.0 && at_m < course.length_m() - 1.0;
+    let stops = pauses.iter().filter(|pause| is_within(pause.at_m) && !is_on_stairs(pause.at_m));
+    marks.extend(stops.map(|pause| Mark { at_m: pause.at_m, stop_s: Some(pause.duration_s) }));
+    marks.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+    marks
 }
 
 /// The pace at `at_m`, slackened for the corner that the next step meets.

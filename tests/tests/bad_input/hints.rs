@@ -91,3 +91,24 @@ fn the_past_is_refused() {
         assert!(error.contains("250 ms before"), "{error}");
     }
 }
+
+#[test]
+fn the_time_before_a_hint_is_past() {
+    for recipe in recipes() {
+        let positioner = placed(&recipe);
+        let hinted = hint().time;
+        let asked = hinted - Duration::from_nanos(1);
+        let refused = Err(PositionError::TimeInPast { asked, consumed: hinted });
+        assert_eq!(positioner.fix_at(asked), refused, "nothing is consumed yet");
+        assert_eq!(positioner.fix_at(hinted).map(|fix| (fix.time, fix.mode)), Ok((hinted, Mode::Started)));
+
+        // A hint given on the way supersedes what was consumed before it.
+        let mut positioner = placed(&recipe);
+        fixes(&mut positioner, samples()[..2_000].iter().copied());
+        let later = samples()[1_999].time + Duration::from_millis(700);
+        positioner.hint(PositionHint { time: later, ..hint() }).unwrap();
+        let asked = later - Duration::from_millis(1);
+        assert_eq!(positioner.fix_at(asked), Err(PositionError::TimeInPast { asked, consumed: later }));
+        assert_eq!(positioner.fix().map(|fix| fix.time), Some(later));
+    }
+}

@@ -7,6 +7,7 @@ use fieldwalk::Rejections;
 use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::positioner::{Fix, Mode};
 use fieldwalk_formats::ilc::LineFault;
+use fieldwalk_formats::recording::Losses;
 use serde_json::{Map, Value, json};
 
 use crate::arguments::ReplayArguments;
@@ -118,8 +119,11 @@ impl<'a, W: Write> Printer<'a, W> {
             self.out,
             "samples rejected: {implausible} implausible, {late} late, {duplicate} duplicate, {jumped} stamped ahead"
         )?;
+        let Some(lines) = ending.lines else {
+            return Ok(writeln!(self.out, "recording: {}", ending.losses)?);
+        };
         let causes: String = faults(ending).map(|(fault, n)| format!("; {n} {fault}")).collect();
-        let (n_lines, n_stale) = (ending.lines.total(), ending.lines.n_stale_wifi);
+        let (n_lines, n_stale) = (lines.total(), lines.n_stale_wifi);
         writeln!(self.out, "lines rejected: {n_lines}{causes}; stale WiFi rows left out: {n_stale}")?;
         Ok(())
     }
@@ -127,6 +131,7 @@ impl<'a, W: Write> Printer<'a, W> {
     fn print_json_summary(&mut self, ending: &Ending<'_>) -> Result<(), Stop> {
         let lines: Map<String, Value> =
             faults(ending).map(|(fault, n)| (fault.to_string().replace(' ', "_"), n.into())).collect();
+        let Losses { was_cut, n_corrupt_chunks, n_malformed, n_foreign_messages } = ending.losses;
         let fields = json!({
             "n_fixes": self.n_fixes,
             "duration_s": ending.duration_s,
@@ -135,8 +140,14 @@ impl<'a, W: Write> Printer<'a, W> {
             "n_waypoints_without_fix": self.n_without_fix,
             "errors": ErrorSummary::of(&self.scored),
             "samples_rejected": ending.samples,
+            "losses": {
+                "was_cut": was_cut,
+                "n_corrupt_chunks": n_corrupt_chunks,
+                "n_malformed": n_malformed,
+                "n_foreign_messages": n_foreign_messages,
+            },
             "lines_rejected": lines,
-            "n_stale_wifi_rows": ending.lines.n_stale_wifi,
+            "n_stale_wifi_rows": ending.lines.map_or(0, |lines| lines.n_stale_wifi),
             "bits_sha256": self.bits.hex(),
         });
         self.print_json("summary", fields)
@@ -236,7 +247,8 @@ fn mode_name(mode: Mode) -> &'static str {
     }
 }
 
-fn faults(ending: &Ending<'_>) -> impl Iterator<Item = (LineFault, u64)> {
+fn faults<'a>(ending: &Ending<'a>) -> impl Iterator<Item = (LineFault, u64)> + use<'a> {
     let lines = ending.lines;
-    LineFault::ALL.into_iter().map(|fault| (fault, lines.count(fault))).filter(|(_, n)| *n > 0)
+    let count = move |fault| lines.map_or(0, |lines| lines.count(fault));
+    LineFault::ALL.into_iter().map(move |fault| (fault, count(fault))).filter(|(_, n)| *n > 0)
 }

@@ -10,12 +10,12 @@ use fieldwalk::positioner::{Fix, PositionError, PositionHint, Positioner};
 use fieldwalk::system::Recipe;
 use fieldwalk::time::Timestamp;
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::{LineRejections, TraceReader, floor_ordinal};
-use fieldwalk_formats::recording::Record;
+use fieldwalk_formats::ilc::{LineRejections, floor_ordinal};
+use fieldwalk_formats::recording::{InOrder, Losses, Record, RecordSource, open_recording_on};
 
 use crate::arguments::ReplayStart;
-use crate::in_order::InOrder;
 use crate::stop::Stop;
+use crate::walks::check_frame;
 
 /// What to run, and from where.
 #[derive(Debug)]
@@ -58,8 +58,10 @@ pub struct Ending<'a> {
     pub duration_s: f64,
     /// Samples rejected, by cause.
     pub samples: Rejections,
-    /// Lines rejected, by cause.
-    pub lines: &'a LineRejections,
+    /// What the log did not give.
+    pub losses: Losses,
+    /// Of a text log, the lines rejected, by cause.
+    pub lines: Option<&'a LineRejections>,
     /// Times that every particle died and the cloud was spread anew.
     pub n_recoveries: u32,
     /// Whether the system was told of a start.
@@ -70,15 +72,12 @@ impl Replay {
     /// Refuses a recording that says of itself that it was made on another floor than the map's.
     ///
     /// Floors of a building share one frame, so its fixes would look plausible and be wrong.
-    fn check_floor(&self, trace: &Path) -> Result<(), Stop> {
-        let mut reader = TraceReader::open(trace)?;
-        // The header stands before the first record; what is wrong with that record is told when it is replayed.
-        let _ = reader.next();
+    fn check_floor(&self, log: &dyn RecordSource, path: &Path) -> Result<(), Stop> {
         let map = self.floor.map();
-        match reader.floor_name() {
+        match log.floor_name() {
             Some(name) if floor_ordinal(name) != map.ordinal => Err(Stop::Failed(format!(
                 "{}: recorded on floor {name}, but the map is of {} (choose that floor's map with --floor)",
-                trace.display(),
+                path.display(),
                 map.name
             ))),
             _ => Ok(()),
@@ -87,16 +86,20 @@ impl Replay {
 
     /// Runs the recording at `trace`, in order of time and never holding more than a part of it.
     pub fn run(&self, trace: &Path, sink: &mut impl Sink) -> Result<(), Stop> {
-        self.check_floor(trace)?;
         let mut positioner = Positioner::new(Arc::clone(&self.floor), self.recipe.clone(), self.seed);
-        let mut reader = TraceReader::open(trace)?;
+        let mut log = InOrder::new(open_recording_on(trace, self.floor.map().plan.georeference)?);
         let mut began: Option<Timestamp> = None;
         let mut last = Timestamp::MIN;
         let (mut is_started, mut has_waypoint) = (false, false);
-        for record in InOrder::new(reader.by_ref()) {
+        while let Some(record) = log.next() {
+            // A log may name its floor as late as at a waypoint.
+            self.check_floor(&**log.source(), trace)?;
             let record = record?;
             let time = record.time();
             let first = *began.get_or_insert(time);
+            if matches!(record, Record::Waypoint { .. }) {
+                check_frame(&**log.source(), trace)?;
+            }
             last = last.max(time);
             let hint = match (self.start, &record) {
                 (ReplayStart::At(point), _) => Some(point),
@@ -129,7 +132,8 @@ impl Replay {
         sink.end(&Ending {
             duration_s: last.secs_since(first),
             samples: positioner.rejections(),
-            lines: reader.rejections(),
+            losses: log.source().losses(),
+            lines: log.source().line_rejections(),
             n_recoveries: positioner.n_recoveries(),
             is_started,
         })

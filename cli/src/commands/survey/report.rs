@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fieldwalk::Rejections;
 use fieldwalk::map::FloorIndex;
@@ -12,7 +12,7 @@ use fieldwalk_formats::FormatError;
 use fieldwalk_formats::map::MANIFEST_FILE;
 use serde::{Deserialize, Serialize};
 
-use crate::commands::survey::walks::Walks;
+use crate::commands::survey::walks::{RecordingLosses, Walks};
 use crate::stop::Stop;
 use crate::table::{number, table};
 
@@ -30,6 +30,9 @@ pub struct FloorReport {
     #[serde(skip)]
     first_line_rejected: Option<String>,
     n_stale_wifi_rows: u64,
+    n_recordings_cut: u64,
+    n_chunks_damaged: u64,
+    n_messages_malformed: u64,
     samples_rejected: Rejections,
     n_waypoints_rejected: u64,
     n_transmitters: usize,
@@ -38,6 +41,8 @@ pub struct FloorReport {
     route_m: f64,
     /// Nothing where it was not asked for, or no walk could be left out.
     expected_accuracy: Option<ExpectedReport>,
+    /// The file that shows all this.
+    picture: PathBuf,
 }
 
 #[derive(Debug, Serialize)]
@@ -56,8 +61,8 @@ struct ExpectedReport {
 /// A floor of the map on disk.
 #[derive(Debug, Deserialize)]
 pub struct FloorFile {
-    name: String,
-    file: String,
+    pub name: String,
+    pub file: String,
     #[serde(skip)]
     n_bytes: u64,
 }
@@ -86,11 +91,12 @@ impl FloorReport {
         floor: &FloorIndex,
         coverage: Coverage,
         walks: &Walks,
-        files: &[FloorFile],
+        file: Option<&FloorFile>,
         expected: Option<ErrorSummary>,
+        picture: PathBuf,
     ) -> Self {
         let map = floor.map();
-        let file = files.iter().find(|file| file.name == map.name);
+        let RecordingLosses { n_cut, n_corrupt_chunks, n_malformed } = walks.recordings;
         let refused = walks.refused.iter().map(|refused| RefusedReport {
             file: refused.path.display().to_string(),
             reason: refused.reason.clone(),
@@ -106,6 +112,9 @@ impl FloorReport {
             n_lines_rejected: walks.n_lines_rejected,
             first_line_rejected: walks.first_line_rejected.clone(),
             n_stale_wifi_rows: walks.n_stale_wifi,
+            n_recordings_cut: n_cut,
+            n_chunks_damaged: n_corrupt_chunks,
+            n_messages_malformed: n_malformed,
             samples_rejected: walks.rejections(),
             n_waypoints_rejected: walks.used.iter().map(|walk| walk.n_refused_waypoints()).sum(),
             n_transmitters: coverage.n_transmitters,
@@ -117,6 +126,7 @@ impl FloorReport {
                 median_m: summary.median_m,
                 p80_m: summary.p80_m,
             }),
+            picture,
         }
     }
 
@@ -146,6 +156,9 @@ impl FloorReport {
         let first = self.first_line_rejected.as_deref().unwrap_or_default();
         let counts = [
             (self.n_lines_rejected, format!("lines not understood, the first: {first}")),
+            (self.n_recordings_cut, "recordings cut short".into()),
+            (self.n_chunks_damaged, "damaged chunks of recordings".into()),
+            (self.n_messages_malformed, "malformed messages in recordings".into()),
             (implausible, "samples with an impossible value".into()),
             (late, "samples later than the reorder window".into()),
             (duplicate, "samples given twice".into()),
@@ -182,6 +195,9 @@ pub fn print(building: &str, dir: &Path, reports: &[FloorReport], out: &mut impl
             out,
             "median and p80: expected error of `fused`, each walk on the map of the others, start known to ± 2 m"
         )?;
+    }
+    for report in reports {
+        writeln!(out, "{}: picture in {}", report.floor, report.picture.display())?;
     }
     for remark in reports.iter().flat_map(FloorReport::remarks) {
         writeln!(out, "{remark}")?;

@@ -6,10 +6,12 @@ use std::path::PathBuf;
 use fieldwalk::Rejections;
 use fieldwalk::survey::{SurveyTrack, SurveyWalk};
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::{Floor, LineRejections};
+use fieldwalk_formats::ilc::{LineRejections, floor_ordinal};
+use fieldwalk_formats::recording::Losses;
 use rayon::prelude::*;
 
 use crate::evaluation::is_test_walk;
+use crate::floors::Floor;
 use crate::progress;
 use crate::walks::ReadWalk;
 
@@ -26,6 +28,19 @@ pub struct Walks {
     pub first_line_rejected: Option<String>,
     /// WiFi rows too old to tell a place, in the walks used.
     pub n_stale_wifi: u64,
+    /// What recordings that are no text lost, in the walks used.
+    pub recordings: RecordingLosses,
+}
+
+/// What the walks' recordings lost, summed; lines of text count elsewhere.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RecordingLosses {
+    /// Recordings that end before their end.
+    pub n_cut: u64,
+    /// Chunks that have changed since they were written.
+    pub n_corrupt_chunks: u64,
+    /// Messages that are not of their kind's form.
+    pub n_malformed: u64,
 }
 
 /// A walk left out.
@@ -46,7 +61,7 @@ impl Walks {
         let read: Vec<_> = paths
             .par_iter()
             .map(|path| {
-                let read = ReadWalk::open(path);
+                let read = ReadWalk::open(path, floor.plan.georeference);
                 bar.inc(1);
                 read
             })
@@ -54,9 +69,9 @@ impl Walks {
         bar.finish_and_clear();
         let mut walks = Self::default();
         for (path, read) in paths.into_iter().zip(read) {
-            match read.map_err(reason_of).and_then(usable) {
-                Ok(ReadWalk { walk, lines, .. }) => {
-                    walks.count_lines(path, &lines);
+            match read.map_err(reason_of).and_then(|read| usable(read, floor)) {
+                Ok(ReadWalk { walk, lines, losses, .. }) => {
+                    walks.count(path, &lines, &losses);
                     walks.used.push(walk);
                 }
                 Err(reason) => walks.refused.push(RefusedWalk { path: path.clone(), reason }),
@@ -78,7 +93,10 @@ impl Walks {
         sum
     }
 
-    fn count_lines(&mut self, path: &std::path::Path, lines: &LineRejections) {
+    fn count(&mut self, path: &std::path::Path, lines: &LineRejections, losses: &Losses) {
+        self.recordings.n_cut += u64::from(losses.was_cut);
+        self.recordings.n_corrupt_chunks += losses.n_corrupt_chunks;
+        self.recordings.n_malformed += losses.n_malformed - lines.total();
         self.n_lines_rejected += lines.total();
         self.n_stale_wifi += lines.n_stale_wifi;
         if let (None, Some((line, fault))) = (&self.first_line_rejected, lines.first()) {
@@ -93,8 +111,16 @@ fn reason_of(error: FormatError) -> String {
     format!("{line}{}{remedy}", error.message())
 }
 
-/// `read`, if it places steps.
-fn usable(read: ReadWalk) -> Result<ReadWalk, String> {
+/// `read`, if it places steps on `floor`.
+fn usable(read: ReadWalk, floor: &Floor) -> Result<ReadWalk, String> {
+    if let Some(name) =
+        read.floor_name.as_ref().filter(|name| floor_ordinal(name) != floor_ordinal(&floor.name))
+    {
+        let named = &floor.name;
+        return Err(format!(
+            "recorded on floor {name}, where {named} is surveyed (move it to that floor's folder)"
+        ));
+    }
     let lines = match read.lines.total() {
         0 => String::new(),
         n => format!("; {n} lines were not understood"),

@@ -3,12 +3,16 @@
 //! A moment is a whole second of the capture. What counts is what the detector says there, having heard nothing later.
 //! By name, UFH is every moment of a trial of texting and of no other, and texting alone faces up. The capture is the
 //! second opinion, for phones on their way to the pocket and cameras that look down.
+//!
+//! No trial has the screen up and the top edge elsewhere than ahead, so the trials of texting are also replayed with
+//! the phone turned in quarters about its screen's normal.
 
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
 use fieldwalk::attitude::{Attitude, AttitudeEstimate, AttitudeParams, CarryMode, EventCounts, EventTable};
 use fieldwalk::pedestrian::{Pedestrian, PedestrianParams};
+use fieldwalk::sensor::{Reading, Sample};
 use fieldwalk::time::{Duration, Timestamp};
 use fieldwalk_formats::tyrex::{Motion, Truth};
 use rayon::prelude::*;
@@ -36,6 +40,8 @@ pub struct TrialMoments<'a> {
     pub trial: &'a CapturedTrial,
     /// Its moments, in order of time.
     pub moments: Vec<Moment>,
+    /// Of a trial of texting, the moments with the phone turned to the left, back and to the right.
+    pub turned: Vec<Moment>,
 }
 
 /// The systems' names, each with its parameters for the trials of each half.
@@ -82,7 +88,11 @@ pub fn rows(trials: &[CapturedTrial], table: Option<EventTable>) -> Vec<MetricRo
         let of_trials: Vec<TrialMoments<'_>> = trials
             .par_iter()
             .zip(&halves)
-            .map(|(trial, &half)| TrialMoments { trial, moments: moments(trial, params[half]) })
+            .map(|(trial, &half)| TrialMoments {
+                trial,
+                moments: moments(trial, &trial.samples, params[half]),
+                turned: turned_moments(trial, params[half]),
+            })
             .collect();
         for (k, (subset, chosen)) in subsets(&of_trials).into_iter().enumerate() {
             rows.extend(subset_rows(&subset, system, &chosen).into_iter().map(|row| (k, row)));
@@ -157,7 +167,13 @@ fn subset_rows(subset: &str, system: &str, trials: &[&TrialMoments<'_>]) -> Vec<
         (is_level == (motion == Motion::Texting)).then_some(is_level)
     };
     let is_ufh = |said: &AttitudeEstimate| said.attitude == Attitude::UpwardForwardHorizontal;
+    let p_forward = |moment: &Moment| f64::from(moment.said.p_forward);
+    let texting = trials.iter().filter(|of_trial| of_trial.trial.trial.motion == Motion::Texting);
+    let ahead: Vec<f64> =
+        texting.clone().flat_map(|of_trial| of_trial.moments.iter().map(p_forward)).collect();
+    let turned: Vec<f64> = texting.flat_map(|of_trial| of_trial.turned.iter().map(p_forward)).collect();
     [
+        (Metric::AucForwardTurned, (auc(&ahead, &turned), ahead.len() + turned.len())),
         (Metric::AucUfh, area(&ufh, &|motion, _| Some(motion == Motion::Texting))),
         (Metric::AucNonUpward, area(&non_upward, &|motion, _| Some(motion != Motion::Texting))),
         (Metric::AucUfhCaptured, area(&ufh, &captured_ufh)),
@@ -199,7 +215,9 @@ pub fn is_carried_so(motion: Motion, mode: CarryMode) -> bool {
 }
 
 /// What a detector with `params` says at every whole second of the capture.
-pub fn moments(trial: &CapturedTrial, params: AttitudeParams) -> Vec<Moment> {
+///
+/// It hears `samples`: the trial's, as they are or turned.
+pub fn moments(trial: &CapturedTrial, samples: &[Sample], params: AttitudeParams) -> Vec<Moment> {
     let mut pedestrian =
         Pedestrian::new(PedestrianParams { attitude: params, ..PedestrianParams::default() });
     let (Some(first), Some(last)) = (trial.truth.poses.first(), trial.truth.poses.last()) else {
@@ -208,7 +226,7 @@ pub fn moments(trial: &CapturedTrial, params: AttitudeParams) -> Vec<Moment> {
     let second = Duration::from_millis(1_000);
     let mut next = first.time + second;
     let mut moments = Vec::new();
-    for sample in &trial.samples {
+    for sample in samples {
         while sample.time > next && next <= last.time {
             moments.push(Moment {
                 time: next,
@@ -220,6 +238,33 @@ pub fn moments(trial: &CapturedTrial, params: AttitudeParams) -> Vec<Moment> {
         pedestrian.push(sample);
     }
     moments
+}
+
+/// The moments of a trial of texting with the phone turned by one, two and three quarters; of others none.
+fn turned_moments(trial: &CapturedTrial, params: AttitudeParams) -> Vec<Moment> {
+    if trial.trial.motion != Motion::Texting {
+        return Vec::new();
+    }
+    let mut samples = trial.samples.clone();
+    let mut turned = Vec::new();
+    for _ in 0..3 {
+        samples.iter_mut().for_each(turn_left);
+        turned.extend(moments(trial, &samples, params));
+    }
+    turned
+}
+
+/// The sample of a phone turned by a quarter to the left about its screen's normal, otherwise moved alike.
+fn turn_left(sample: &mut Sample) {
+    let left = |[x, y, z]: [f32; 3]| [y, -x, z];
+    match &mut sample.reading {
+        Reading::SpecificForce(v) | Reading::AngularRate(v) | Reading::MagneticField(v) => *v = left(*v),
+        Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
+            *field_ut = left(*field_ut);
+            *bias_ut = left(*bias_ut);
+        }
+        _ => {}
+    }
 }
 
 /// Mean over the second before `time` of the vertical's share out of the screen.

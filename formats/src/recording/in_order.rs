@@ -7,8 +7,9 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use fieldwalk::time::Timestamp;
-use fieldwalk_formats::FormatError;
-use fieldwalk_formats::recording::Record;
+
+use super::Record;
+use crate::error::FormatError;
 
 /// Records held back, a minute of a phone's at 50 Hz; about 1 MB.
 const MAX_WAITING: usize = 16_384;
@@ -18,6 +19,20 @@ const MAX_WAITING: usize = 16_384;
 /// A waypoint comes after the samples of its instant; equal records otherwise keep the log's order. A number of
 /// records, not a span of time, is held back: one stamp far in the future then does not push all others out. A record
 /// that comes later than that is passed on out of order.
+///
+/// An error comes after all records that were read before it.
+///
+/// # Example
+/// ```no_run
+/// use fieldwalk_formats::recording::{InOrder, open_recording};
+///
+/// let mut log = InOrder::new(open_recording("walk.txt".as_ref())?);
+/// for record in log.by_ref() {
+///     println!("{:?}", record?);
+/// }
+/// println!("{}", log.source().losses());
+/// # Ok::<(), fieldwalk_formats::FormatError>(())
+/// ```
 #[derive(Debug)]
 pub struct InOrder<I> {
     records: I,
@@ -31,12 +46,16 @@ impl<I: Iterator<Item = Result<Record, FormatError>>> InOrder<I> {
     pub fn new(records: I) -> Self {
         Self { records, waiting: BinaryHeap::with_capacity(MAX_WAITING + 1), n_taken: 0, failed: None }
     }
+
+    /// Where the records come from: the log, to ask what it lost.
+    pub fn source(&self) -> &I {
+        &self.records
+    }
 }
 
 impl<I: Iterator<Item = Result<Record, FormatError>>> Iterator for InOrder<I> {
     type Item = Result<Record, FormatError>;
 
-    /// An error comes after all records that were read before it.
     fn next(&mut self) -> Option<Self::Item> {
         while self.failed.is_none() && self.waiting.len() <= MAX_WAITING {
             match self.records.next() {

@@ -1,0 +1,105 @@
+//! `fieldwalk simulate`, and what its recordings are good for.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod synthetic;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use fieldwalk_formats::recording::{Record, open_recording};
+use serde_json::Value;
+use synthetic::{fail, folder, succeed, text};
+
+/// All files below `dir`, with their bytes.
+fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(dir).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(
+                files(&path)
+                    .into_iter()
+                    .map(|(file, bytes)| (Path::new(path.file_name().unwrap()).join(file), bytes)),
+            );
+        } else {
+            found.insert(path.file_name().unwrap().into(), fs::read(&path).unwrap());
+        }
+    }
+    found
+}
+
+#[test]
+fn a_simulated_office_is_surveyed_and_walked() {
+    let dir = folder("simulate_office");
+    let (office, map) = (dir.join("office"), dir.join("map"));
+    let said = succeed(&["simulate", "office", "--out", text(&office), "--walks", "2", "--seed", "3"]);
+    assert!(said.contains("10 walks to survey and 2 to test with"), "{said}");
+    succeed(&["survey", text(&office), "--out", text(&map), "--coverage"]);
+    let walk = office.join("test/test-02.mcap");
+    let json = succeed(&["replay", text(&map), text(&walk), "--json"]);
+    let objects: Vec<Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let summary = objects.last().unwrap();
+    assert!(summary["errors"]["median_m"].as_f64().unwrap() < 1.5, "{summary}");
+
+    // The truth beside it says where the fixes should be, at every one of them.
+    let truth = fs::read_to_string(office.join("test/test-02.truth.csv")).unwrap();
+    let mut lines = truth.lines();
+    assert_eq!(lines.next(), Some("time_ns,x_m,y_m,heading_rad"));
+    let truth: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect();
+    let began = open_recording(&walk).unwrap().next().unwrap().unwrap().time();
+    let mut errors_m: Vec<f64> = objects
+        .iter()
+        .filter(|object| object["record"] == "fix")
+        .map(|fix| {
+            let number = |key: &str| fix[key].as_f64().unwrap();
+            let time_ns = began.as_nanos() as f64 + 1e9 * number("time_s");
+            let at = truth.partition_point(|point| point[0] < time_ns).min(truth.len() - 1);
+            (number("x_m") - truth[at][1]).hypot(number("y_m") - truth[at][2])
+        })
+        .collect();
+    errors_m.sort_by(f64::total_cmp);
+    assert!(errors_m.len() > 100 && errors_m[errors_m.len() / 2] < 1.5, "{errors_m:?}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes() {
+    let dir = folder("simulate_bytes");
+    let simulate = |name: &str, arguments: &[&str]| {
+        let out = dir.join(name);
+        succeed(
+            &[&["simulate", "office", "--walks", "1", "--length", "20", "--out", text(&out)], arguments]
+                .concat(),
+        );
+        files(&out)
+    };
+    let first = simulate("first", &[]);
+    assert_eq!(first.len(), 1 + 2 * (10 + 1));
+    assert!(first.contains_key(Path::new("survey/survey-10.truth.csv")));
+    assert!(first == simulate("first", &["--seed", "1"]), "written again");
+    let walk = Path::new("test/test-01.mcap");
+    let pocket = simulate("pocket", &["--carry", "pocket"]);
+    assert!(first[walk] != pocket[walk]);
+    let survey = Path::new("survey/survey-01.mcap");
+    assert!(first[survey] == pocket[survey], "the survey is held level");
+    assert!(first[survey] != simulate("other", &["--seed", "2"])[survey]);
+    // The recording has its walk's waypoints, among records in order of time.
+    let records: Vec<Record> =
+        open_recording(&dir.join("first").join(walk)).unwrap().collect::<Result<_, _>>().unwrap();
+    assert!(records.is_sorted_by_key(Record::time));
+    assert!(records.iter().filter(|record| matches!(record, Record::Waypoint { .. })).count() > 2);
+}
+
+#[test]
+fn scenarios_are_listed_and_foreign_files_are_not_mixed_in() {
+    assert!(succeed(&["simulate", "--list"]).starts_with("office "));
+    let dir = folder("simulate_foreign");
+    fail(&["simulate", "castle", "--out", text(&dir)], 2, &["castle", "office"]);
+    fail(&["simulate"], 2, &["SCENARIO"]);
+    fail(&["simulate", "office", "--out", text(&dir), "--carry", "hat"], 2, &["level, pocket"]);
+    fs::create_dir_all(dir.join("test")).unwrap();
+    fs::write(dir.join("test/test-09.mcap"), "of another run").unwrap();
+    let said = ["test-09.mcap: a file of something else", "another --out"];
+    fail(&["simulate", "office", "--out", text(&dir), "--walks", "8"], 1, &said);
+}
