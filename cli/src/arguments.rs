@@ -241,7 +241,9 @@ JSON for the others: one object a subset (\"all\": pooled), system and metric.
   oxford-steps        count_error_abs_percent, count_error_signed_percent: mean
                       over runs of the steps counted against the contacts of
                       the foot switches
-  tyrex               auc_ufh, auc_non_upward: areas under the receiver's curve of
+  tyrex               heading_error_median_deg: median over captured frames of
+                      the device's heading against motion capture
+                      auc_ufh, auc_non_upward: areas under the receiver's curve of
                       once a second of the capture; UFH is what the trials of
                       texting hold, upward nothing else. The same with
                       _captured take the screen's side from the capture.
@@ -259,8 +261,8 @@ pub struct EvaluateArguments {
     #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
     pub dirs: Vec<PathBuf>,
 
-    /// The recordings, which say what is scored; the other arguments but --table and --json are for ilc and recordings
-    /// [default: ilc or recordings, by what the folders hold].
+    /// The recordings, which say what is scored; the other arguments but --table, --plots and --json are for ilc and
+    /// recordings [default: ilc or recordings, by what the folders hold].
     #[arg(long, aliases = ["layout", "dataset-layout"], value_name = "NAME")]
     pub dataset: Option<Dataset>,
 
@@ -308,6 +310,10 @@ pub struct EvaluateArguments {
     /// Print one JSON object a line instead of tables.
     #[arg(long)]
     pub json: bool,
+
+    /// Write a picture of each failure into this folder, as SVG: for oxford-steps and tyrex.
+    #[arg(long, value_name = "FOLDER")]
+    pub plots: Option<PathBuf>,
 
     /// Print a system's recipe as JSON, to change and give to --recipe.
     #[arg(

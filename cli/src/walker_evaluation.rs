@@ -7,4 +7,4 @@ pub mod oxford_steps;
 mod row;
 pub mod tyrex;
 
-pub use row::{ALL, Metric, MetricRow, MetricScores};
+pub use row::{ALL, Metric, MetricRow, MetricScores, Plot};

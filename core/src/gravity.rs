@@ -4,8 +4,13 @@
 //! in it is clockwise from its y. Magnetic north is found elsewhere: nothing here reads a compass while there is a
 //! gyroscope.
 
+mod butterworth;
+
+pub use butterworth::ButterworthLowPass;
+
 use serde::{Deserialize, Serialize};
 
+use crate::rotation::{Quaternion, cross, norm};
 use crate::time::Timestamp;
 
 /// Standard gravity, in m/s².
@@ -29,6 +34,12 @@ impl VectorLowPass {
         };
         self.output = Some(output);
         output
+    }
+
+    /// The smoothing factor `a` of a cut-off in Hz at samples `dt_s` apart, in [0, 1]: `dt / (1/(2π·cutoff) + dt)`.
+    pub fn factor(cutoff_hz: f32, dt_s: f32) -> f32 {
+        let tau_s = 1.0 / (core::f32::consts::TAU * cutoff_hz);
+        (dt_s / (tau_s + dt_s)).clamp(0.0, 1.0)
     }
 
     /// The output, once there has been an input.
@@ -68,8 +79,7 @@ impl Default for LevelParams {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelEstimator {
     params: LevelParams,
-    /// Unit quaternion `[w, x, y, z]`, level from device.
-    level_from_device: Option<[f64; 4]>,
+    level_from_device: Option<Quaternion>,
     last_gyroscope: Option<Timestamp>,
     last_force: Option<Timestamp>,
 }
@@ -94,14 +104,14 @@ impl LevelEstimator {
     /// Pulls the frame's vertical towards the specific force and returns the force in the level frame, in m/s².
     pub fn push_specific_force(&mut self, time: Timestamp, force_m_s2: [f32; 3]) -> [f32; 3] {
         let force = force_m_s2.map(f64::from);
-        let norm = (force[0] * force[0] + force[1] * force[1] + force[2] * force[2]).sqrt();
-        if norm < 1.0 {
+        let strength_m_s2 = norm(force);
+        if strength_m_s2 < 1.0 {
             // Free fall says nothing about the vertical.
             return self.to_level(force_m_s2).unwrap_or(force_m_s2);
         }
-        let up = force.map(|c| c / norm);
+        let up = force.map(|c| c / strength_m_s2);
         let Some(q) = self.level_from_device else {
-            self.level_from_device = Some(upright(up));
+            self.level_from_device = Some(Quaternion::upright(up));
             self.last_force = Some(time);
             return self.to_level(force_m_s2).unwrap_or(force_m_s2);
         };
@@ -112,7 +122,7 @@ impl LevelEstimator {
         } else {
             self.params.tilt_gain_without_gyroscope_hz
         };
-        let estimated_up = rotate_back(q, [0.0, 0.0, 1.0]);
+        let estimated_up = q.rotate_back([0.0, 0.0, 1.0]);
         // Turning the frame about measured × estimated brings the estimate to the measurement.
         let correction = cross(up, estimated_up).map(|c| c * f64::from(gain_hz));
         self.level_from_device = Some(turned(q, correction, dt_s));
@@ -128,7 +138,7 @@ impl LevelEstimator {
         }
         let (Some(q), Some(level)) = (self.level_from_device, self.to_level(field_ut)) else { return };
         let north_heading_rad = libm::atan2(f64::from(level[0]), f64::from(level[1]));
-        let up_in_device = rotate_back(q, [0.0, 0.0, 1.0]);
+        let up_in_device = q.rotate_back([0.0, 0.0, 1.0]);
         // Turning the device anticlockwise by the field's clockwise heading would bring the field to +y.
         let rate = f64::from(self.params.yaw_gain_without_gyroscope_hz) * north_heading_rad;
         self.level_from_device = Some(turned(q, up_in_device.map(|c| c * rate), dt_s.clamp(0.0, 0.2)));
@@ -139,75 +149,30 @@ impl LevelEstimator {
         self.last_gyroscope.is_some_and(|last| now.secs_since(last) <= self.params.gyroscope_timeout_s)
     }
 
+    /// The rotation from the device frame into the level frame; nothing before the first specific force.
+    pub fn level_from_device(&self) -> Option<Quaternion> {
+        self.level_from_device
+    }
+
     /// `vector` of the device frame, in the level frame; nothing before the first specific force.
     pub fn to_level(&self, vector: [f32; 3]) -> Option<[f32; 3]> {
-        self.level_from_device.map(|q| rotate(q, vector.map(f64::from)).map(|c| c as f32))
+        self.level_from_device.map(|q| q.rotate(vector.map(f64::from)).map(|c| c as f32))
     }
 
     /// The device's forward axis (top edge; the back of the screen when the top points up or down), in the level
     /// frame, projected on the horizontal and of unit length.
     pub fn forward(&self) -> Option<[f32; 2]> {
         let q = self.level_from_device?;
-        let top = rotate(q, [0.0, 1.0, 0.0]);
-        let forward = if top[2].abs() < 0.85 { top } else { rotate(q, [0.0, 0.0, -1.0]) };
+        let top = q.rotate([0.0, 1.0, 0.0]);
+        let forward = if top[2].abs() < 0.85 { top } else { q.rotate([0.0, 0.0, -1.0]) };
         let norm = (forward[0] * forward[0] + forward[1] * forward[1]).sqrt();
         (norm > 1e-6).then(|| [(forward[0] / norm) as f32, (forward[1] / norm) as f32])
     }
 }
 
-/// The rotation that takes the device's `up` to z and keeps its y axis (else its -z) towards the level y.
-fn upright(up: [f64; 3]) -> [f64; 4] {
-    let top = if up[1].abs() < 0.85 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, -1.0] };
-    let right = normalised(cross(top, up));
-    let forward = cross(up, right);
-    // Rows of the rotation matrix: the level axes in the device frame.
-    quaternion_of_rows(right, forward, up)
-}
-
-#[expect(clippy::disallowed_types, reason = "this constructor needs square roots alone")]
-fn quaternion_of_rows(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> [f64; 4] {
-    use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
-    let rotation = Matrix3::new(x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]);
-    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
-    [q.w, q.i, q.j, q.k]
-}
-
-/// `q` after the device has turned at `rate_rad_s` (device frame) for `dt_s`: second-order, renormalised.
-fn turned(q: [f64; 4], rate_rad_s: [f64; 3], dt_s: f64) -> [f64; 4] {
-    let half = rate_rad_s.map(|c| 0.5 * c * dt_s);
-    let square = half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
-    // cos x ≈ 1 − x²/2 + x⁴/24 and sin x / x ≈ 1 − x²/6 + x⁴/120: exact to 1e-8 below half a radian.
-    let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0));
-    let sinc = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0));
-    let r = [cos, half[0] * sinc, half[1] * sinc, half[2] * sinc];
-    let product = [
-        q[0] * r[0] - q[1] * r[1] - q[2] * r[2] - q[3] * r[3],
-        q[0] * r[1] + q[1] * r[0] + q[2] * r[3] - q[3] * r[2],
-        q[0] * r[2] - q[1] * r[3] + q[2] * r[0] + q[3] * r[1],
-        q[0] * r[3] + q[1] * r[2] - q[2] * r[1] + q[3] * r[0],
-    ];
-    let norm = product.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if norm > 0.5 && norm.is_finite() { product.map(|c| c / norm) } else { q }
-}
-
-fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let u = [q[1], q[2], q[3]];
-    let t = cross(u, v).map(|c| 2.0 * c);
-    let s = cross(u, t);
-    [0, 1, 2].map(|c| v[c] + q[0] * t[c] + s[c])
-}
-
-fn rotate_back(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    rotate([q[0], -q[1], -q[2], -q[3]], v)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn normalised(v: [f64; 3]) -> [f64; 3] {
-    let norm = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    v.map(|c| c / norm)
+/// `q` after the device has turned at `rate_rad_s` (device frame) for `dt_s`.
+fn turned(q: Quaternion, rate_rad_s: [f64; 3], dt_s: f64) -> Quaternion {
+    q.turned(rate_rad_s.map(|c| c * dt_s))
 }
 
 #[cfg(test)]

@@ -34,9 +34,11 @@
 #![forbid(unsafe_code)]
 
 pub mod attitude;
+pub mod calibration;
 pub mod floor_plan;
 pub mod geometry;
 pub mod gravity;
+pub mod heading;
 pub mod magnetic;
 pub mod map;
 pub mod metrics;
@@ -46,6 +48,7 @@ pub mod pedestrian;
 pub mod positioner;
 pub mod random;
 mod reorder;
+pub mod rotation;
 pub mod sensor;
 pub mod step;
 pub mod survey;

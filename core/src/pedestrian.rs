@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::attitude::{AttitudeDetector, AttitudeEstimate, AttitudeParams, Stride};
+use crate::calibration::{FieldJumpDetector, FieldJumpParams};
 use crate::gravity::{LevelEstimator, LevelParams};
 use crate::magnetic::feature::LevelField;
 use crate::sensor::{Reading, Sample};
@@ -23,6 +24,10 @@ pub struct StepEvent {
     pub end_strength_ut: Option<f32>,
     /// How the phone was held.
     pub attitude: AttitudeEstimate,
+    /// Whether the field jumped during the step, as it does when the operating system recalibrates a stream that it
+    /// corrects: what was learnt of the bias no longer holds.
+    #[serde(default)]
+    pub field_bias_reset: bool,
 }
 
 impl StepEvent {
@@ -50,6 +55,7 @@ pub struct Pedestrian {
     detector: PhoneStepDetector,
     attitude: AttitudeDetector,
     magnetometer: Magnetometer,
+    jumps: FieldJumpDetector,
     sums: StepSums,
     /// Steps held back, and those that count and have not been handed out.
     steps: StepQueue<StepFeatures>,
@@ -58,8 +64,9 @@ pub struct Pedestrian {
 
 /// Which magnetometer stream is used: the uncalibrated one, once seen, with the bias that it came with first.
 ///
-/// Later changes of the operating system's bias would look like a jump of the field; they are ignored, since the
-/// filter learns the remaining bias itself.
+/// The operating system's later estimates of that bias are ignored: the raw field does not change with them, and the
+/// filter learns what remains of the bias itself. A phone that offers the corrected stream alone jumps at every
+/// recalibration; then the step says that the bias is new.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Magnetometer {
     bias_ut: Option<[f32; 3]>,
@@ -76,6 +83,7 @@ struct StepSums {
     forward: [f32; 2],
     n_field: u32,
     forward_field_ut: [f32; 3],
+    field_bias_reset: bool,
 }
 
 /// What was measured during a step.
@@ -85,6 +93,7 @@ struct StepFeatures {
     forward_field: Option<LevelField>,
     end_strength_ut: Option<f32>,
     attitude: AttitudeEstimate,
+    field_bias_reset: bool,
 }
 
 impl Pedestrian {
@@ -95,6 +104,7 @@ impl Pedestrian {
             detector: PhoneStepDetector::new(params.step),
             attitude: AttitudeDetector::new(params.attitude),
             magnetometer: Magnetometer::default(),
+            jumps: FieldJumpDetector::new(FieldJumpParams::default()),
             sums: StepSums::default(),
             steps: StepQueue::new(),
             last_forward: [0.0, 1.0],
@@ -162,6 +172,9 @@ impl Pedestrian {
         let (Some(level), Some(forward)) = (self.level.to_level(field_ut), self.level.forward()) else {
             return;
         };
+        if self.magnetometer.bias_ut.is_none() {
+            self.sums.field_bias_reset |= self.jumps.push(time, level);
+        }
         self.sums.n_field += 1;
         self.sums.forward_field_ut[0] += level[0] * forward[1] - level[1] * forward[0];
         self.sums.forward_field_ut[1] += level[0] * forward[0] + level[1] * forward[1];
@@ -189,13 +202,53 @@ impl StepSums {
             forward_field: has_field.then(|| LevelField { field_ut: self.forward_field_ut.map(mean) }),
             end_strength_ut: strength_ut.filter(|_| has_field),
             attitude,
+            field_bias_reset: self.field_bias_reset,
         }
     }
 }
 
 impl StepFeatures {
     fn of_step(self, cycle: StepCycle) -> StepEvent {
-        let Self { level_heading_rad, forward_field, end_strength_ut, attitude } = self;
-        StepEvent { cycle, level_heading_rad, forward_field, end_strength_ut, attitude }
+        let Self { level_heading_rad, forward_field, end_strength_ut, attitude, field_bias_reset } = self;
+        StepEvent { cycle, level_heading_rad, forward_field, end_strength_ut, attitude, field_bias_reset }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gravity::STANDARD_GRAVITY_M_S2;
+
+    /// Steps of a walk at 2 Hz during which the stream that `reading` makes of a field is recalibrated by 15 µT.
+    fn resets(reading: impl Fn([f32; 3], [f32; 3]) -> Reading) -> usize {
+        let mut pedestrian = Pedestrian::new(PedestrianParams::default());
+        let mut n_resets = 0;
+        for k in 0..1_000i64 {
+            let time = Timestamp::from_millis(20 * k);
+            let bob = 2.5 * libm::sinf(2.0 * core::f32::consts::TAU * 0.02 * k as f32);
+            let bias_ut = if k < 500 { [0.0; 3] } else { [15.0, 0.0, 0.0] };
+            for reading in [
+                Reading::AngularRate([0.0; 3]),
+                Reading::SpecificForce([0.0, 0.0, STANDARD_GRAVITY_M_S2 + bob]),
+                reading([3.0, 22.0, -40.0], bias_ut),
+            ] {
+                let event = pedestrian.push(&Sample { time, reading });
+                n_resets += usize::from(event.is_some_and(|event| event.field_bias_reset));
+            }
+        }
+        n_resets
+    }
+
+    #[test]
+    fn a_recalibration_of_the_corrected_stream_is_told_once() {
+        let corrected =
+            |field: [f32; 3], bias: [f32; 3]| Reading::MagneticField([0, 1, 2].map(|c| field[c] - bias[c]));
+        assert_eq!(resets(corrected), 1);
+    }
+
+    #[test]
+    fn the_raw_stream_does_not_change_with_the_system_s_mind() {
+        let raw = |field_ut, bias_ut| Reading::UncalibratedMagneticField { field_ut, bias_ut };
+        assert_eq!(resets(raw), 0);
     }
 }

@@ -246,6 +246,9 @@ impl Tracker {
                 }
             }
             MagneticRule::FieldVector(params) => {
+                if event.field_bias_reset {
+                    field_vector::forget_bias(params, &mut self.state.particles);
+                }
                 if let Some(field) = &event.forward_field {
                     field_vector::update(params, &self.floor, field, &mut self.state.particles);
                 }

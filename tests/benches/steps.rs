@@ -7,6 +7,7 @@ use std::time::{Duration as Elapsed, Instant};
 use criterion::{Criterion, criterion_group, criterion_main};
 use fieldwalk::floor_plan::{FloorPlan, Polygon, Unit};
 use fieldwalk::geometry::Point2;
+use fieldwalk::heading::{FusedHeading, FusedHeadingParams, HeadingEstimator};
 use fieldwalk::map::{FloorIndex, FloorMap, GridFrame, Layers};
 use fieldwalk::observation::radio::RadioObservation;
 use fieldwalk::pedestrian::StepEvent;
@@ -14,7 +15,7 @@ use fieldwalk::positioner::Positioner;
 use fieldwalk::sensor::{Reading, Sample};
 use fieldwalk::survey::{SurveyError, SurveyParams, build_floor};
 use fieldwalk::system::Recipe;
-use fieldwalk::time::Duration;
+use fieldwalk::time::{Duration, Timestamp};
 use fieldwalk::tracker::Tracker;
 use fieldwalk_formats::{decode_floor, encode_floor};
 use fieldwalk_tests::synthetic::{FLOOR_NAME, FLOOR_ORDINAL, Floor};
@@ -83,6 +84,37 @@ fn front_end(criterion: &mut Criterion) {
     });
 }
 
+/// The same second through the fused heading, which runs beside the front end where it is wanted.
+fn heading(criterion: &mut Criterion) {
+    const RATE_HZ: i64 = 200;
+    let device = |t: f64, amount: f64| {
+        let (sin, cos) = libm::sincos(3.0 * t);
+        [amount * sin, amount * cos, amount * 0.5 * sin].map(|c| c as f32)
+    };
+    let mut fused = FusedHeading::new(FusedHeadingParams::default());
+    let mut now = Timestamp::from_millis(0);
+    criterion.bench_function("heading/200 Hz x 3, one second", |bencher| {
+        bencher.iter(|| {
+            for k in 0..RATE_HZ {
+                now = now + Duration::from_nanos(1_000_000_000 / RATE_HZ);
+                let t = k as f64 / RATE_HZ as f64;
+                let [x, y, _] = device(t, 2.0);
+                for reading in [
+                    Reading::AngularRate(device(t, 1.0)),
+                    Reading::SpecificForce([x, y, 9.8]),
+                    Reading::UncalibratedMagneticField {
+                        field_ut: [x + 80.0, 22.0, y - 40.0],
+                        bias_ut: [80.0, 0.0, 0.0],
+                    },
+                ] {
+                    fused.push(&Sample { time: now, reading });
+                }
+            }
+            black_box(fused.earth_from_device())
+        });
+    });
+}
+
 fn maps(criterion: &mut Criterion) {
     let floor = Floor::new(1);
     let walks = floor.survey();
@@ -132,5 +164,5 @@ fn mall_floor() -> FloorMap {
     FloorMap { name: "mall".into(), plan, frame, layers, ..FloorMap::default() }
 }
 
-criterion_group!(benches, steps, front_end, maps);
+criterion_group!(benches, steps, front_end, heading, maps);
 criterion_main!(benches);

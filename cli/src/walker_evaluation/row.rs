@@ -72,10 +72,21 @@ pub struct MetricRow {
 pub struct MetricScores {
     /// The rows, grouped by subset, the pooled ones last.
     pub rows: Vec<MetricRow>,
+    /// Pictures of what failed, the worst first.
+    pub plots: Vec<Plot>,
     /// What was left out because the data set itself has no truth or no signal there.
     pub warnings: Vec<String>,
     /// Files that should have been readable and were not.
     pub errors: Vec<FormatError>,
+}
+
+/// A picture of a failure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plot {
+    /// Its file's name, without a folder.
+    pub file_name: String,
+    /// The SVG.
+    pub svg: String,
 }
 
 #[cfg(test)]

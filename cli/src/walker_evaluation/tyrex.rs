@@ -1,12 +1,12 @@
 //! The attitude benchmark of Tyrex: attitudes and headings against motion capture.
 
 pub mod attitude;
+mod heading;
 pub mod training;
 
 use std::path::PathBuf;
 
 use fieldwalk::attitude::EventTable;
-
 use fieldwalk::sensor::Sample;
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::tyrex::{Trial, Truth, find_trials};
@@ -49,7 +49,8 @@ pub fn score(dirs: &[PathBuf], table: Option<EventTable>) -> Result<MetricScores
             Err(error) => scores.errors.push(error),
         }
     }
-    scores.rows.extend(attitude::rows(&captured, table));
+    attitude::score(&captured, table, &mut scores);
+    heading::score(&captured, &mut scores);
     Ok(scores)
 }
 

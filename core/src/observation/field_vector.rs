@@ -77,6 +77,13 @@ pub fn update(
     }
 }
 
+/// Makes every particle's bias as unknown again as at the start, about what it was: the magnetometer was recalibrated.
+pub fn forget_bias(params: &FieldVectorParams, particles: &mut Particles) {
+    for variance_ut2 in &mut particles.bias_variance_ut2 {
+        *variance_ut2 += params.bias_sd_ut * params.bias_sd_ut;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,5 +153,24 @@ mod tests {
         particles.x_m[0] = 50.0;
         update(&FieldVectorParams::default(), &floor(), &LevelField::default(), &mut particles);
         assert_eq!(particles.log_weight, [0.0]);
+    }
+
+    #[test]
+    fn a_reset_makes_the_bias_unknown_again() {
+        let (floor, params) = (floor(), FieldVectorParams::default());
+        let mut particles = particles(&[0.0]);
+        let readings = |n: usize, ahead_ut: f32, particles: &mut Particles| {
+            for _ in 0..n {
+                update(&params, &floor, &LevelField { field_ut: [0.0, ahead_ut, -40.0] }, particles);
+            }
+            particles.bias_y_ut[0]
+        };
+        readings(200, 20.0, &mut particles);
+        let learnt_ut2 = particles.bias_variance_ut2[0];
+        // The same jump of 10 µT, told and untold: what is told is believed sooner.
+        let mut told = particles.clone();
+        forget_bias(&params, &mut told);
+        assert_eq!(told.bias_variance_ut2[0], learnt_ut2 + 25.0);
+        assert!(readings(5, 30.0, &mut told) > 1.5 * readings(5, 30.0, &mut particles));
     }
 }

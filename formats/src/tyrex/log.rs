@@ -32,6 +32,9 @@ pub enum LogKind {
     /// On Android `magnetometer.txt`, raw with the system's bias; on iOS `magnetometer-calibrated.txt`, without the
     /// lines that the system calls uncalibrated.
     MagneticField,
+    /// `magnetometer.txt`: on Android the same as [`MagneticField`](Self::MagneticField), on iOS the field without any
+    /// correction, whose bias the log does not tell and is read as 0.
+    RawMagneticField,
 }
 
 /// Streams the samples of one log.
@@ -69,7 +72,7 @@ pub fn specific_force_of_ios(acceleration_g: [f32; 3]) -> [f32; 3] {
 }
 
 impl LogKind {
-    /// Every kind.
+    /// The kinds that every trial has.
     pub const ALL: [Self; 3] = [Self::AngularRate, Self::SpecificForce, Self::MagneticField];
 
     /// The log's file name.
@@ -77,14 +80,14 @@ impl LogKind {
         match (self, platform) {
             (Self::SpecificForce, _) => "accelerometer.txt",
             (Self::AngularRate, _) => "gyroscope.txt",
-            (Self::MagneticField, Platform::Android) => "magnetometer.txt",
+            (Self::MagneticField, Platform::Android) | (Self::RawMagneticField, _) => "magnetometer.txt",
             (Self::MagneticField, Platform::Ios) => "magnetometer-calibrated.txt",
         }
     }
 
     fn n_columns(self, platform: Platform) -> usize {
         match (self, platform) {
-            (Self::SpecificForce, _) | (Self::AngularRate, Platform::Ios) => 4,
+            (Self::SpecificForce, _) | (Self::AngularRate | Self::RawMagneticField, Platform::Ios) => 4,
             (Self::MagneticField, Platform::Ios) => 5,
             (_, Platform::Android) => MAX_COLUMNS,
         }
@@ -173,8 +176,11 @@ impl<R: BufRead> SensorLogReader<R> {
             (LogKind::AngularRate, Platform::Android) => {
                 Reading::AngularRate([0, 1, 2].map(|c| first[c] - second[c]))
             }
-            (LogKind::MagneticField, Platform::Android) => {
+            (LogKind::MagneticField | LogKind::RawMagneticField, Platform::Android) => {
                 Reading::UncalibratedMagneticField { field_ut: first, bias_ut: second }
+            }
+            (LogKind::RawMagneticField, Platform::Ios) => {
+                Reading::UncalibratedMagneticField { field_ut: first, bias_ut: [0.0; 3] }
             }
             // The system's class of accuracy: -1 before it has calibrated.
             (LogKind::MagneticField, Platform::Ios) if columns[4] < 0.0 => return Ok(None),

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use fieldwalk::sensor::Sample;
+use fieldwalk::sensor::{Reading, Sample};
 
 use super::log::{LogKind, Platform, SensorLogReader};
 use super::truth::Truth;
@@ -66,7 +66,8 @@ pub struct Trials {
 #[derive(Clone, Debug)]
 pub struct TrialSamples {
     /// Angular rates, specific forces and fields in order of time, on the clock of the capture: the first seconds may
-    /// be negative.
+    /// be negative. From iOS come both the corrected field and the raw one, whose bias is by how much it differs from
+    /// the corrected field before it.
     pub samples: Vec<Sample>,
     /// The lines left out, of all logs.
     pub n_rejected: u64,
@@ -109,6 +110,24 @@ pub fn find_trials(root: &Path) -> Result<Trials, FormatError> {
     Ok(found)
 }
 
+/// iOS does not say its bias: it is the raw field less the latest corrected one. Raw fields before any corrected one
+/// are left out.
+fn tell_bias(samples: &mut Vec<Sample>) {
+    let mut corrected_ut = None;
+    samples.retain_mut(|sample| match &mut sample.reading {
+        Reading::MagneticField(field_ut) => {
+            corrected_ut = Some(*field_ut);
+            true
+        }
+        Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
+            let Some(corrected_ut) = corrected_ut else { return false };
+            *bias_ut = [0, 1, 2].map(|c| field_ut[c] - corrected_ut[c]);
+            true
+        }
+        _ => true,
+    });
+}
+
 impl Motion {
     /// Every motion.
     pub const ALL: [Self; 8] = [
@@ -146,9 +165,13 @@ impl Trial {
         let capture_from_phone_s = self.capture_from_phone_s()?;
         let mut samples = Vec::new();
         let mut n_rejected = 0;
-        for kind in LogKind::ALL {
-            let path = self.folder.join(kind.file_name(self.platform));
-            let mut log = SensorLogReader::open(&path, self.platform, kind, capture_from_phone_s)?;
+        let mut kinds = LogKind::ALL.to_vec();
+        if self.platform == Platform::Ios && self.log_path(LogKind::RawMagneticField).is_file() {
+            kinds.push(LogKind::RawMagneticField);
+        }
+        for kind in kinds {
+            let mut log =
+                SensorLogReader::open(&self.log_path(kind), self.platform, kind, capture_from_phone_s)?;
             for sample in log.by_ref() {
                 samples.push(sample?);
             }
@@ -156,6 +179,9 @@ impl Trial {
         }
         // Stable: of equal times, rates stay before forces and forces before fields.
         samples.sort_by_key(|sample| sample.time);
+        if self.platform == Platform::Ios {
+            tell_bias(&mut samples);
+        }
         Ok(TrialSamples { samples, n_rejected })
     }
 
@@ -183,6 +209,10 @@ impl Trial {
                 Ok(alignment_s - number_in(&path, start_s)?)
             }
         }
+    }
+
+    fn log_path(&self, kind: LogKind) -> PathBuf {
+        self.folder.join(kind.file_name(self.platform))
     }
 
     fn of_folder(folder: &Path, platform: Platform, captures: &Path) -> Option<Self> {
@@ -242,6 +272,7 @@ fn number_in(path: &Path, text: &str) -> Result<f64, FormatError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fieldwalk::time::Timestamp;
 
     #[test]
     fn names_say_who_and_how() {
@@ -298,6 +329,22 @@ mod tests {
         let read = found.trials[0].samples().unwrap();
         let times_ms: Vec<_> = read.samples.iter().map(|s| s.time.as_nanos() / 1_000_000).collect();
         assert_eq!((times_ms, read.n_rejected), (vec![0, 250, 1000], 1));
+        // Raw fields: one before any corrected one, and two whose bias is told by the latest.
+        fs::write(folder.join("magnetometer.txt"), "102.6 9 9 9\n102.8 101 52 3\n103 102 50 3\n").unwrap();
+        let read = found.trials[0].samples().unwrap();
+        let raw = |time_ms: i64, field_ut: [f32; 3], bias_ut: [f32; 3]| Sample {
+            time: Timestamp::from_millis(time_ms),
+            reading: Reading::UncalibratedMagneticField { field_ut, bias_ut },
+        };
+        let is_raw = |sample: &Sample| matches!(sample.reading, Reading::UncalibratedMagneticField { .. });
+        let paired: Vec<_> = read.samples.iter().copied().filter(is_raw).collect();
+        assert_eq!(
+            paired,
+            [
+                raw(300, [101.0, 52.0, 3.0], [100.0, 50.0, 0.0]),
+                raw(500, [102.0, 50.0, 3.0], [101.0, 48.0, 0.0])
+            ]
+        );
         fs::write(folder.join("description.txt"), "[Time]\n").unwrap();
         let error = found.trials[0].samples().unwrap_err();
         assert!(error.to_string().contains("description.txt"), "{error}");

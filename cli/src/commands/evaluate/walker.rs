@@ -1,14 +1,15 @@
 //! `fieldwalk evaluate` on recordings of the walker's half: a row a subset, system and metric.
 
+use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use fieldwalk_formats::FormatError;
 
 use crate::arguments::EvaluateArguments;
 use crate::stop::{Stop, note};
 use crate::table::{number, table};
-use crate::walker_evaluation::{MetricRow, MetricScores};
+use crate::walker_evaluation::{MetricRow, MetricScores, Plot};
 
 /// Scores with `score` and prints its rows.
 pub fn run(
@@ -16,12 +17,15 @@ pub fn run(
     arguments: &EvaluateArguments,
     out: &mut impl Write,
 ) -> Result<(), Stop> {
-    let MetricScores { rows, warnings, errors } = score(&arguments.dirs)?;
+    let MetricScores { rows, plots, warnings, errors } = score(&arguments.dirs)?;
     for warning in &warnings {
         note("warning", warning);
     }
     for error in &errors {
         note("error", &error.to_string());
+    }
+    if let Some(folder) = &arguments.plots {
+        write_plots(folder, &plots)?;
     }
     if arguments.json {
         for row in &rows {
@@ -31,6 +35,15 @@ pub fn run(
         print_table(&rows, out)?;
     }
     if errors.is_empty() { Ok(()) } else { Err(Stop::Incomplete) }
+}
+
+fn write_plots(folder: &Path, plots: &[Plot]) -> Result<(), FormatError> {
+    fs::create_dir_all(folder).map_err(|error| FormatError::io("make the folder", folder, error))?;
+    for plot in plots {
+        let path = folder.join(&plot.file_name);
+        fs::write(&path, &plot.svg).map_err(|error| FormatError::io("write the picture", &path, error))?;
+    }
+    Ok(())
 }
 
 fn print_table(rows: &[MetricRow], out: &mut impl Write) -> Result<(), Stop> {

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 
 use super::training::{count_strides, table_of};
 use super::{CapturedTrial, DATASET};
+use crate::plot::{Chart, Series};
 use crate::walker_evaluation::auc::auc;
-use crate::walker_evaluation::{ALL, Metric, MetricRow};
+use crate::walker_evaluation::{ALL, Metric, MetricRow, MetricScores, Plot};
 
 /// What the detector said at a moment, and what was so.
 #[derive(Clone, Copy, Debug)]
@@ -79,9 +80,12 @@ fn halves(trials: &[CapturedTrial]) -> Vec<usize> {
     (0..trials.len()).map(|k| earlier(k).count() % 2).collect()
 }
 
-/// The rows of every subset: phones, persons where there are several, disturbed or not, texting against each other
-/// motion, and all.
-pub fn rows(trials: &[CapturedTrial], table: Option<EventTable>) -> Vec<MetricRow> {
+/// A trial with fewer right decisions of UFH than this, in percent, is pictured.
+const PICTURED_BELOW_PERCENT: f64 = 99.0;
+
+/// Adds the rows of every subset: phones, persons where there are several, disturbed or not, texting against each other
+/// motion, and all. A trial that the `trained` system often gets wrong gives a picture.
+pub fn score(trials: &[CapturedTrial], table: Option<EventTable>, scores: &mut MetricScores) {
     let halves = halves(trials);
     let mut rows: Vec<(usize, MetricRow)> = Vec::new();
     for (system, params) in systems(trials, table) {
@@ -94,12 +98,42 @@ pub fn rows(trials: &[CapturedTrial], table: Option<EventTable>) -> Vec<MetricRo
                 turned: turned_moments(trial, params[half]),
             })
             .collect();
+        if system == "trained" {
+            scores.plots.extend(of_trials.iter().filter_map(plot));
+        }
         for (k, (subset, chosen)) in subsets(&of_trials).into_iter().enumerate() {
             rows.extend(subset_rows(&subset, system, &chosen).into_iter().map(|row| (k, row)));
         }
     }
     rows.sort_by_key(|(subset, _)| *subset);
-    rows.into_iter().map(|(_, row)| row).collect()
+    scores.rows.extend(rows.into_iter().map(|(_, row)| row));
+}
+
+/// What was said and captured over a trial, if it was often wrong.
+fn plot(of_trial: &TrialMoments<'_>) -> Option<Plot> {
+    let trial = &of_trial.trial.trial;
+    let is_right = |moment: &&Moment| {
+        (moment.said.attitude == Attitude::UpwardForwardHorizontal) == (trial.motion == Motion::Texting)
+    };
+    let n = of_trial.moments.len();
+    let right_percent = 100.0 * of_trial.moments.iter().filter(is_right).count() as f64 / n as f64;
+    if n == 0 || right_percent >= PICTURED_BELOW_PERCENT {
+        return None;
+    }
+    let line = |name: &str, of: &dyn Fn(&Moment) -> Option<f64>| {
+        let point = |moment: &Moment| Some((moment.time.secs_since(Timestamp::default()), of(moment)?));
+        Series::line(name, of_trial.moments.iter().filter_map(point).collect())
+    };
+    let chart = Chart::new(
+        format!("{}: UFH rightly told {right_percent:.1} % of the time", trial.name),
+        "time (s)",
+        "share, probability",
+    )
+    .with(line("upward, captured", &|moment| moment.captured_upward))
+    .with(line("upward, felt (g)", &|moment| Some(f64::from(moment.said.upward_g))))
+    .with(line("P(forward)", &|moment| Some(f64::from(moment.said.p_forward))))
+    .with(line("UFH score", &|moment| Some(f64::from(moment.said.ufh_score))));
+    Some(Plot { file_name: format!("attitude-{}.svg", trial.name), svg: chart.to_svg() })
 }
 
 type Chosen<'a> = Vec<&'a TrialMoments<'a>>;
