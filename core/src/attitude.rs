@@ -91,6 +91,9 @@ pub struct AttitudeParams {
     /// Share of the belief that falls back to the prior from stride to stride, 0 to 1; default 0.1: a walker changes
     /// the grip once in about ten strides at the most. With 1 every stride is judged by itself, as in the paper.
     pub forgetting: f32,
+    /// Share of strides that turns, stumbles and obstacles break, 0 to 1, so that no single one outweighs a grip;
+    /// default 0.2. The paper has none.
+    pub broken_share: f32,
     /// Where on the body.
     pub carry: CarryParams,
 }
@@ -105,6 +108,7 @@ impl Default for AttitudeParams {
             forward_band: 0.1,
             table: EventTable::estimated(),
             forgetting: 0.1,
+            broken_share: 0.2,
             carry: CarryParams::default(),
         }
     }
@@ -122,6 +126,7 @@ impl AttitudeParams {
             forward_band: 0.0,
             table: EventTable::printed(),
             forgetting: 1.0,
+            broken_share: 0.0,
             ..Self::default()
         }
     }
@@ -156,8 +161,9 @@ pub struct AttitudeDetector {
 impl AttitudeDetector {
     /// A detector that has seen nothing.
     pub fn new(params: AttitudeParams) -> Self {
+        let table = params.table.with_broken_share(params.broken_share);
         Self {
-            params,
+            params: AttitudeParams { table, ..params },
             cutter: StrideCutter::default(),
             carry: CarryEvidence::default(),
             last_stride: None,

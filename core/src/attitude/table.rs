@@ -133,6 +133,16 @@ impl EventTable {
         if total > 0.0 && total.is_finite() { joint.map(|p| p / total) } else { prior }
     }
 
+    /// The same table if this share of strides, 0 to 1, showed any of the eight combinations alike.
+    #[must_use]
+    pub fn with_broken_share(mut self, share: f32) -> Self {
+        let share = share.clamp(0.0, 1.0);
+        for row in &mut self.likelihood {
+            *row = row.map(|p| p + share * (0.125 - p));
+        }
+        self
+    }
+
     /// Whether every number is a probability, and every column and the prior sum to 1.
     pub fn is_valid(&self) -> bool {
         let is_distribution = |values: &mut dyn Iterator<Item = f32>| {
@@ -218,6 +228,15 @@ mod tests {
         let broken = EventTable { likelihood: [[f32::NAN; 4]; 8], prior: [0.25; 4] };
         assert_eq!(broken.posterior(FeatureEvents::ALL[0], certain), certain);
         assert!(!broken.is_valid());
+    }
+
+    #[test]
+    fn broken_strides_make_the_table_milder() {
+        let milder = EventTable::printed().with_broken_share(0.2);
+        // 0.8·0.9386 + 0.2/8 against 0.2/8.
+        assert!((milder.likelihood[0][0] - 0.77588).abs() < 1e-6 && milder.likelihood[0][1] == 0.025);
+        assert!(milder.is_valid());
+        assert_eq!(EventTable::printed().with_broken_share(0.0), EventTable::printed());
     }
 
     #[test]
