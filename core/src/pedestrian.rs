@@ -113,14 +113,18 @@ impl Pedestrian {
 
     /// Consumes a sample (in order of time); returns the next step that counts, if any.
     ///
-    /// When a walk begins, its first steps are held back until it is one: they come together then, one a sample.
+    /// When a walk begins, its first steps are held back until it is one: they come together then, one with each specific
+    /// force.
     pub fn push(&mut self, sample: &Sample) -> Option<StepEvent> {
         match sample.reading {
             Reading::AngularRate(rate) => {
                 self.level.push_angular_rate(sample.time, rate);
                 self.attitude.push_rate(sample.time, rate);
             }
-            Reading::SpecificForce(force) => self.push_force(sample.time, force),
+            Reading::SpecificForce(force) => {
+                self.push_force(sample.time, force);
+                return self.steps.pop().map(|(cycle, features)| features.of_step(cycle));
+            }
             Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
                 let bias = *self.magnetometer.bias_ut.get_or_insert(bias_ut);
                 self.push_field(sample.time, [0, 1, 2].map(|c| field_ut[c] - bias[c]));
@@ -130,7 +134,7 @@ impl Pedestrian {
             }
             _ => {}
         }
-        self.steps.pop().map(|(cycle, features)| features.of_step(cycle))
+        None
     }
 
     /// How the phone is held now.

@@ -39,6 +39,19 @@ pub fn tyrex_attitude() -> Option<PathBuf> {
     })
 }
 
+/// The folder of the Oxford step-counting collection: a folder a walk.
+///
+/// Read from `$FIELDWALK_DATA/oxford-steps.tar.xz`, or from the folder `$FIELDWALK_DATA/oxford-steps` where there is no
+/// archive. `None` when there is neither; the test then returns early.
+///
+/// # Panics
+/// When there is neither and `FIELDWALK_REQUIRE_DATA=1`, and when the archive cannot be unpacked.
+pub fn oxford_steps() -> Option<PathBuf> {
+    find("oxford-steps", "neither oxford-steps.tar.xz nor oxford-steps", |recordings, cache| {
+        find_archive(recordings, cache, "oxford-steps")
+    })
+}
+
 fn find(
     wanted: &str,
     sought: &str,

@@ -18,7 +18,7 @@ pub struct PhoneStepParams {
     pub cutoff_hz: f32,
     /// Least peak-to-trough amplitude of a step, in m/s²; default 0.9 (a slow walk in hand gives about 2).
     pub min_amplitude_m_s2: f32,
-    /// Most, in m/s²; default 35 (running with the phone in hand reaches 25).
+    /// Most, in m/s²; default 30 (running with the phone in hand reaches about 20).
     pub max_amplitude_m_s2: f32,
     /// Least amplitude as a fraction of the recent mean; default 0.35.
     pub min_relative_amplitude: f32,
@@ -26,6 +26,8 @@ pub struct PhoneStepParams {
     pub min_early_amplitude: f32,
     /// Least time between steps, in seconds; default 0.28 (running reaches 3.5 Hz).
     pub min_period_s: f64,
+    /// Least mean time between steps, in seconds; default 0.325 (runners keep to 3 Hz, hands that shake do not).
+    pub min_mean_period_s: f32,
     /// A longer gap ends the walk; default 1.4 s.
     pub max_period_s: f64,
     /// The period assumed for the first step of a walk, in seconds; default 0.55.
@@ -48,10 +50,11 @@ impl Default for PhoneStepParams {
         Self {
             cutoff_hz: 2.9,
             min_amplitude_m_s2: 0.9,
-            max_amplitude_m_s2: 35.0,
+            max_amplitude_m_s2: 30.0,
             min_relative_amplitude: 0.35,
             min_early_amplitude: 0.8,
             min_period_s: 0.28,
+            min_mean_period_s: 0.325,
             max_period_s: 1.4,
             first_period_s: 0.55,
             stride_period_s: 0.8,
@@ -66,7 +69,7 @@ impl Default for PhoneStepParams {
 /// Finds steps as alternating peaks and troughs of the low-passed vertical acceleration, causally.
 ///
 /// A peak shows once the signal has fallen from it by a part of the recent amplitude, about a tenth of a second later.
-/// From standing, steps are held back until four in a row have a rhythm; while it lasts, each counts at once.
+/// From standing, steps are held back until three in a row have a rhythm; while it lasts, each counts at once.
 ///
 /// In a swinging hand the arm's acceleration, once a stride, may drown every other step. A slow and strong peak amid
 /// strong horizontal swinging therefore stands for two steps.
@@ -167,7 +170,7 @@ impl PhoneStepDetector {
         let is_stride = is_limb
             && amplitude > params.stride_amplitude_m_s2
             && since_s.is_some_and(|s| s > params.stride_period_s);
-        Some(self.finding(peak, amplitude, since_s, is_stride))
+        self.finding(peak, amplitude, since_s, is_stride)
     }
 
     fn finding(
@@ -176,7 +179,7 @@ impl PhoneStepDetector {
         amplitude: f32,
         since_s: Option<f64>,
         is_stride: bool,
-    ) -> StepFinding {
+    ) -> Option<StepFinding> {
         let n_steps = if is_stride { 2 } else { 1 };
         let period_s = since_s.map(|s| s as f32 / f32::from(n_steps));
         if let Some(period_s) = period_s {
@@ -186,16 +189,20 @@ impl PhoneStepDetector {
         let share = if since_s.is_some() { LATEST_SHARE } else { 1.0 };
         self.mean_amplitude_m_s2 += share * (amplitude - self.mean_amplitude_m_s2);
         self.last_peak = Some(peak);
+        if period_s.is_some() && self.mean_period_s < self.params.min_mean_period_s {
+            self.rhythm.reset();
+            return None;
+        }
         let verdict = self.rhythm.judge(&self.params.rhythm, period_s, amplitude, n_steps);
         let cycle_s = since_s.unwrap_or(self.params.first_period_s);
         let cycle = StepCycle::between(peak - Duration::from_secs_f64(cycle_s), peak, amplitude);
-        StepFinding {
+        Some(StepFinding {
             cycle: StepCycle { is_first: since_s.is_none(), ..cycle },
             is_stride,
             n_held: verdict.n_held,
             is_confirmed: verdict.is_confirmed,
             starts_walk: verdict.starts_walk,
-        }
+        })
     }
 
     /// The least amplitude of a step so long after the last: early ones must be nearly as strong as the mean.

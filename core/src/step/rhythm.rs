@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 /// What a row of peaks must be like to be walking.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RhythmParams {
-    /// Steps in a row that must fit each other before any counts, 1 to 5; default 4.
+    /// Steps in a row that must fit each other before any counts, 1 to 5; default 3.
     ///
-    /// Hands that take a phone out, turn it or put it away make up to three such peaks.
+    /// With 4, hands that take a phone out, turn it or put it away make a third of the false steps, but in the mall's
+    /// surveys the short bursts of steps between two waypoints are lost.
     pub n_to_confirm: u8,
     /// Most by which a period may differ from the last, as a ratio; default 1.6 (a foot in two may be weak in a
     /// pocket, and its peak early or late).
@@ -21,7 +22,7 @@ pub struct RhythmParams {
 
 impl Default for RhythmParams {
     fn default() -> Self {
-        Self { n_to_confirm: 4, max_period_ratio: 1.6, max_stride_ratio: 1.3, max_amplitude_ratio: 2.5 }
+        Self { n_to_confirm: 3, max_period_ratio: 1.6, max_stride_ratio: 1.3, max_amplitude_ratio: 2.5 }
     }
 }
 
@@ -139,7 +140,8 @@ mod tests {
     fn verdicts(peaks: &[(Option<f32>, f32)]) -> Vec<(u8, bool)> {
         let mut rhythm = Rhythm::default();
         let judged = peaks.iter().map(|&(period_s, amplitude)| {
-            let verdict = rhythm.judge(&RhythmParams::default(), period_s, amplitude, 1);
+            let params = RhythmParams { n_to_confirm: 4, ..RhythmParams::default() };
+            let verdict = rhythm.judge(&params, period_s, amplitude, 1);
             (verdict.n_held, verdict.is_confirmed)
         });
         judged.collect()

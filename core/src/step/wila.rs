@@ -10,8 +10,8 @@ use crate::time::{Duration, Timestamp};
 /// Parameters of [`WilaStepDetector`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WilaStepParams {
-    /// Least difference of a peak and the trough after it, in m/s²; default 1.2 (the paper gives none: a slow walk has
-    /// about 2 at the waist, standing less than 0.3).
+    /// Least difference of a peak and the trough after it, in m/s²; default 0.35 (the paper gives none: the first and
+    /// the last step of a slow walk have about 0.5 at the waist, standing less than 0.3).
     pub threshold_m_s2: f32,
     /// A longer gap ends the walk, in seconds; default 1.7.
     pub max_period_s: f64,
@@ -21,7 +21,7 @@ pub struct WilaStepParams {
 
 impl Default for WilaStepParams {
     fn default() -> Self {
-        Self { threshold_m_s2: 1.2, max_period_s: 1.7, first_period_s: 0.55 }
+        Self { threshold_m_s2: 0.35, max_period_s: 1.7, first_period_s: 0.55 }
     }
 }
 
