@@ -1,5 +1,6 @@
 //! Places and fixes, mirrored.
 
+use fieldwalk::attitude;
 use fieldwalk::geometry;
 use fieldwalk::positioner;
 use fieldwalk::time::Timestamp;
@@ -49,6 +50,44 @@ pub enum FixMode {
     Other,
 }
 
+/// How a phone is held while its owner walks; new cases may come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+#[non_exhaustive]
+pub enum Attitude {
+    /// Too little was heard, or something that this boundary has no name for yet.
+    Unknown,
+    /// Screen up, top edge ahead, about level.
+    UpwardForwardHorizontal,
+    /// Screen up, top edge ahead, inclined.
+    UpwardForwardInclined,
+    /// Screen up, top edge to a side or back.
+    UpwardNotForward,
+    /// The screen does not face up.
+    NotUpward,
+}
+
+/// Where a phone is carried; new cases may come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+#[non_exhaustive]
+pub enum CarryMode {
+    /// Nothing fits, too little was heard, or something that this boundary has no name for yet.
+    Unknown,
+    /// In a steady hand, the screen up.
+    HeldUp,
+    /// In a steady hand, the screen upright with an edge up, as a camera.
+    HeldUpright,
+    /// At the ear.
+    Calling,
+    /// In a hand that swings.
+    Swinging,
+    /// In a front trouser pocket.
+    FrontPocket,
+    /// In a back trouser pocket.
+    BackPocket,
+    /// On something that nobody carries.
+    OnTable,
+}
+
 /// A position with its accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct Fix {
@@ -76,6 +115,10 @@ pub struct Fix {
     pub radius_95_m: f64,
     /// What the fix rests on.
     pub mode: FixMode,
+    /// How the phone is held; unknown when stale.
+    pub attitude: Attitude,
+    /// Where the phone is carried; unknown when stale.
+    pub carry_mode: CarryMode,
 }
 
 impl From<geometry::Point2> for Point2 {
@@ -110,6 +153,33 @@ impl From<positioner::Mode> for FixMode {
     }
 }
 
+impl From<attitude::Attitude> for Attitude {
+    fn from(attitude: attitude::Attitude) -> Self {
+        match attitude {
+            attitude::Attitude::UpwardForwardHorizontal => Self::UpwardForwardHorizontal,
+            attitude::Attitude::UpwardForwardInclined => Self::UpwardForwardInclined,
+            attitude::Attitude::UpwardNotForward => Self::UpwardNotForward,
+            attitude::Attitude::NotUpward => Self::NotUpward,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+impl From<attitude::CarryMode> for CarryMode {
+    fn from(mode: attitude::CarryMode) -> Self {
+        match mode {
+            attitude::CarryMode::HeldUp => Self::HeldUp,
+            attitude::CarryMode::HeldUpright => Self::HeldUpright,
+            attitude::CarryMode::Calling => Self::Calling,
+            attitude::CarryMode::Swinging => Self::Swinging,
+            attitude::CarryMode::FrontPocket => Self::FrontPocket,
+            attitude::CarryMode::BackPocket => Self::BackPocket,
+            attitude::CarryMode::OnTable => Self::OnTable,
+            _ => Self::Unknown,
+        }
+    }
+}
+
 impl From<positioner::Fix> for Fix {
     fn from(fix: positioner::Fix) -> Self {
         // No `..`: a new field of the core is to fail here.
@@ -124,6 +194,8 @@ impl From<positioner::Fix> for Fix {
             radius_68_m,
             radius_95_m,
             mode,
+            attitude,
+            carry_mode,
         } = fix;
         Self {
             time_ns: time.as_nanos(),
@@ -139,6 +211,8 @@ impl From<positioner::Fix> for Fix {
             radius_68_m,
             radius_95_m,
             mode: mode.into(),
+            attitude: attitude.into(),
+            carry_mode: carry_mode.into(),
         }
     }
 }

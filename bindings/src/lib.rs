@@ -30,7 +30,7 @@ mod status;
 
 pub use building_map::{BuildingMap, FloorInfo};
 pub use error::ApiError;
-pub use fix::{Fix, FixMode, LatitudeLongitude, Point2, PositionHint};
+pub use fix::{Attitude, CarryMode, Fix, FixMode, LatitudeLongitude, Point2, PositionHint};
 pub use positioner::{Positioner, PositionerOptions};
 pub use status::{BatchFaults, Rejections, Status};
 

@@ -41,6 +41,7 @@ pub enum Command {
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
     Report(ReportArguments),
+    Train(TrainArguments),
     Import(ImportArguments),
     Simulate(SimulateArguments),
 }
@@ -224,6 +225,7 @@ Examples:
       # change its name and some parameters, then:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
   fieldwalk evaluate --dataset oxford-steps oxford-steps --json
+  fieldwalk evaluate --dataset tyrex tyrex-attitude --json
 
 JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind of point.
   dataset, floor, system, start
@@ -246,6 +248,16 @@ JSON for the others: one object a subset (\"all\": pooled), system and metric.
                       the foot switches
   tyrex               heading_error_median_deg: median over captured frames of
                       the device's heading against motion capture
+                      auc_ufh, auc_non_upward: areas under the receiver's curve of
+                      once a second of the capture; UFH is what the trials of
+                      texting hold, upward nothing else. The same with
+                      _captured take the screen's side from the capture.
+                      auc_forward_turned: the trials of texting against themselves
+                      with the phone turned in quarters.
+                      ufh_correct_percent, carry_mode_correct_percent: share of
+                      right decisions. Systems: `printed`, the paper's table
+                      stride by stride; `trained`, a table of one half of the
+                      trials scored on the other, both ways; `shipped`; `file`
 A number that does not exist is null.
 
 See `fieldwalk --help` for the exit codes.")]
@@ -254,8 +266,8 @@ pub struct EvaluateArguments {
     #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
     pub dirs: Vec<PathBuf>,
 
-    /// The recordings, which say what is scored; the other arguments but --json are for ilc and recordings [default:
-    /// ilc or recordings, by what the folders hold].
+    /// The recordings, which say what is scored; the other arguments but --table, --plots and --json are for ilc and
+    /// recordings [default: ilc or recordings, by what the folders hold].
     #[arg(long, aliases = ["layout", "dataset-layout"], value_name = "NAME")]
     pub dataset: Option<Dataset>,
 
@@ -296,6 +308,10 @@ pub struct EvaluateArguments {
     #[arg(long = "folds", value_name = "N", value_parser = clap::value_parser!(u8).range(1..=i64::from(N_FOLDS)))]
     pub n_folds: Option<u8>,
 
+    /// For tyrex: another table of the attitude's feature events, as `fieldwalk train attitude` writes it.
+    #[arg(long, value_name = "FILE.json")]
+    pub table: Option<PathBuf>,
+
     /// Print one JSON object a line instead of tables.
     #[arg(long)]
     pub json: bool,
@@ -316,6 +332,46 @@ pub struct EvaluateArguments {
         value_parser = PossibleValuesParser::new(Recipe::NAMES)
     )]
     pub print_recipe: Option<String>,
+}
+
+/// Estimate parameters from recordings.
+#[derive(Debug, Args)]
+#[command(after_help = "See `fieldwalk --help` for the exit codes.")]
+pub struct TrainArguments {
+    #[command(subcommand)]
+    pub part: TrainedPart,
+}
+
+/// What can be estimated.
+#[derive(Debug, Subcommand)]
+pub enum TrainedPart {
+    Attitude(TrainAttitudeArguments),
+}
+
+/// Estimate the table of the attitude's feature events.
+///
+/// The recordings are walks with the phone held level before the chest, its top edge ahead. Every stride also stands for
+/// the phone turned left, right and back, by turning it about the screen's normal. The table says how likely each
+/// combination of the three events is for each way to point; it goes to `fieldwalk evaluate --table`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  fieldwalk train attitude tyrex-attitude --out table.json
+  fieldwalk train attitude walk1.mcap walk2.mcap > table.json
+  fieldwalk evaluate --dataset tyrex tyrex-attitude --table table.json
+
+JSON: likelihood, eight rows (E1 E2 E3 = 111 011 101 110 001 010 100 000) of four
+columns (forward, backward, leftward, rightward) that sum to 1; prior, of the four.
+
+See `fieldwalk --help` for the exit codes.")]
+pub struct TrainAttitudeArguments {
+    /// Recordings of any format, or folders of the Tyrex benchmark, of which the trials of texting are taken.
+    #[arg(value_name = "RECORDING|DIR", required = true)]
+    pub recordings: Vec<PathBuf>,
+
+    /// Where the table goes [default: standard output].
+    #[arg(long, value_name = "FILE.json")]
+    pub out: Option<PathBuf>,
 }
 
 impl EvaluateArguments {

@@ -60,6 +60,7 @@ fn mode_number(mode: Mode) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fieldwalk::attitude::{Attitude, CarryMode};
     use fieldwalk::geometry::Point2;
     use fieldwalk::time::Timestamp;
 
@@ -75,6 +76,8 @@ mod tests {
             radius_68_m: 1.5,
             radius_95_m: 2.5,
             mode: Mode::ParticleFilter,
+            attitude: Attitude::Unknown,
+            carry_mode: CarryMode::Unknown,
         }
     }
 

@@ -7,3 +7,4 @@ pub mod replay;
 pub mod report;
 pub mod simulate;
 pub mod survey;
+pub mod train;

@@ -26,7 +26,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Command, TrainArguments, TrainedPart};
 use stop::Stop;
 
 /// Runs the command that the process's arguments ask for.
@@ -46,6 +46,9 @@ pub fn run_from<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T
         Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
         Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),
         Command::Report(arguments) => commands::report::run(arguments, &mut out),
+        Command::Train(TrainArguments { part: TrainedPart::Attitude(arguments) }) => {
+            commands::train::attitude(arguments, &mut out)
+        }
         Command::Import(arguments) => commands::import::run(arguments, &mut out),
         Command::Simulate(arguments) => commands::simulate::run(arguments, &mut out),
     };

@@ -2,6 +2,7 @@
 //!
 //! A data set is a module with a `score` from folders to [`MetricScores`]; a metric is a variant of [`Metric`].
 
+mod auc;
 pub mod oxford_steps;
 mod row;
 pub mod tyrex;

@@ -33,6 +33,7 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod attitude;
 pub mod calibration;
 pub mod floor_plan;
 pub mod geometry;

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::{AttitudeDetector, AttitudeEstimate, AttitudeParams, Stride};
 use crate::calibration::{FieldJumpDetector, FieldJumpParams};
-use crate::gravity::{LevelEstimator, LevelParams, STANDARD_GRAVITY_M_S2};
+use crate::gravity::{LevelEstimator, LevelParams};
 use crate::magnetic::feature::LevelField;
 use crate::sensor::{Reading, Sample};
-use crate::step::{PhoneStepDetector, PhoneStepParams, StepCycle};
+use crate::step::{PhoneStepDetector, PhoneStepParams, StepCycle, StepDetector as _, StepQueue};
 use crate::time::Timestamp;
 
 /// A step with all that the sensors said during it.
@@ -21,6 +22,8 @@ pub struct StepEvent {
     pub forward_field: Option<LevelField>,
     /// Field strength at the end of the step (smoothed over about 0.1 s), in µT; nothing without a magnetometer.
     pub end_strength_ut: Option<f32>,
+    /// How the phone was held.
+    pub attitude: AttitudeEstimate,
     /// Whether the field jumped during the step, as it does when the operating system recalibrates a stream that it
     /// corrects: what was learnt of the bias no longer holds.
     #[serde(default)]
@@ -41,6 +44,8 @@ pub struct PedestrianParams {
     pub level: LevelParams,
     /// The step detector.
     pub step: PhoneStepParams,
+    /// How the phone is held.
+    pub attitude: AttitudeParams,
 }
 
 /// The walker's half of the pipeline: keeps the level frame, cuts steps and averages the features over each.
@@ -48,9 +53,12 @@ pub struct PedestrianParams {
 pub struct Pedestrian {
     level: LevelEstimator,
     detector: PhoneStepDetector,
+    attitude: AttitudeDetector,
     magnetometer: Magnetometer,
     jumps: FieldJumpDetector,
     sums: StepSums,
+    /// Steps held back, and those that count and have not been handed out.
+    steps: StepQueue<StepFeatures>,
     last_forward: [f32; 2],
 }
 
@@ -78,24 +86,45 @@ struct StepSums {
     field_bias_reset: bool,
 }
 
+/// What was measured during a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct StepFeatures {
+    level_heading_rad: f32,
+    forward_field: Option<LevelField>,
+    end_strength_ut: Option<f32>,
+    attitude: AttitudeEstimate,
+    field_bias_reset: bool,
+}
+
 impl Pedestrian {
     /// A pedestrian of whom nothing is known.
     pub fn new(params: PedestrianParams) -> Self {
         Self {
             level: LevelEstimator::new(params.level),
             detector: PhoneStepDetector::new(params.step),
+            attitude: AttitudeDetector::new(params.attitude),
             magnetometer: Magnetometer::default(),
             jumps: FieldJumpDetector::new(FieldJumpParams::default()),
             sums: StepSums::default(),
+            steps: StepQueue::new(),
             last_forward: [0.0, 1.0],
         }
     }
 
-    /// Consumes a sample (in order of time); returns the step that it completes, if any.
+    /// Consumes a sample (in order of time); returns the next step that counts, if any.
+    ///
+    /// When a walk begins, its first steps are held back until it is one: they come together then, one with each specific
+    /// force.
     pub fn push(&mut self, sample: &Sample) -> Option<StepEvent> {
         match sample.reading {
-            Reading::AngularRate(rate) => self.level.push_angular_rate(sample.time, rate),
-            Reading::SpecificForce(force) => return self.push_force(sample.time, force),
+            Reading::AngularRate(rate) => {
+                self.level.push_angular_rate(sample.time, rate);
+                self.attitude.push_rate(sample.time, rate);
+            }
+            Reading::SpecificForce(force) => {
+                self.push_force(sample.time, force);
+                return self.steps.pop().map(|(cycle, features)| features.of_step(cycle));
+            }
             Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
                 let bias = *self.magnetometer.bias_ut.get_or_insert(bias_ut);
                 self.push_field(sample.time, [0, 1, 2].map(|c| field_ut[c] - bias[c]));
@@ -108,12 +137,22 @@ impl Pedestrian {
         None
     }
 
+    /// How the phone is held now.
+    pub fn attitude(&self) -> AttitudeEstimate {
+        self.attitude.estimate()
+    }
+
+    /// The latest stride that was cut; nothing before the first.
+    pub fn last_stride(&self) -> Option<&Stride> {
+        self.attitude.last_stride()
+    }
+
     /// Heading of the device's forward axis now, in the level frame, in radians.
     pub fn level_heading_rad(&self) -> f32 {
         libm::atan2f(self.last_forward[0], self.last_forward[1])
     }
 
-    fn push_force(&mut self, time: Timestamp, force: [f32; 3]) -> Option<StepEvent> {
+    fn push_force(&mut self, time: Timestamp, force: [f32; 3]) {
         let level_force = self.level.push_specific_force(time, force);
         if let Some(forward) = self.level.forward() {
             self.last_forward = forward;
@@ -121,10 +160,14 @@ impl Pedestrian {
             self.sums.forward[0] += forward[0];
             self.sums.forward[1] += forward[1];
         }
-        let cycle = self.detector.push(time, level_force[2] - STANDARD_GRAVITY_M_S2)?;
-        let event = self.sums.event(cycle, self.last_forward, self.magnetometer.smoothed_strength_ut);
+        self.attitude.push_force(time, force, level_force[2]);
+        let Some(finding) = self.detector.push(time, level_force) else { return };
+        self.attitude.push_step(&finding);
+        let attitude = self.attitude.estimate();
+        let features =
+            self.sums.features(self.last_forward, self.magnetometer.smoothed_strength_ut, attitude);
         self.sums = StepSums::default();
-        Some(event)
+        self.steps.push(&finding, features, self.detector.params().first_period_s);
     }
 
     fn push_field(&mut self, time: Timestamp, field_ut: [f32; 3]) {
@@ -149,23 +192,36 @@ impl Pedestrian {
 }
 
 impl StepSums {
-    fn event(&self, cycle: StepCycle, last_forward: [f32; 2], strength_ut: Option<f32>) -> StepEvent {
+    fn features(
+        &self,
+        last_forward: [f32; 2],
+        strength_ut: Option<f32>,
+        attitude: AttitudeEstimate,
+    ) -> StepFeatures {
         let forward = if self.n_forward > 0 { self.forward } else { last_forward };
         let mean = |sum: f32| sum / self.n_field as f32;
         let has_field = self.n_field > 0;
-        StepEvent {
-            cycle,
+        StepFeatures {
             level_heading_rad: libm::atan2f(forward[0], forward[1]),
             forward_field: has_field.then(|| LevelField { field_ut: self.forward_field_ut.map(mean) }),
             end_strength_ut: strength_ut.filter(|_| has_field),
+            attitude,
             field_bias_reset: self.field_bias_reset,
         }
+    }
+}
+
+impl StepFeatures {
+    fn of_step(self, cycle: StepCycle) -> StepEvent {
+        let Self { level_heading_rad, forward_field, end_strength_ut, attitude, field_bias_reset } = self;
+        StepEvent { cycle, level_heading_rad, forward_field, end_strength_ut, attitude, field_bias_reset }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gravity::STANDARD_GRAVITY_M_S2;
 
     /// Steps of a walk at 2 Hz during which the stream that `reading` makes of a field is recalibrated by 15 µT.
     fn resets(reading: impl Fn([f32; 3], [f32; 3]) -> Reading) -> usize {

@@ -207,6 +207,7 @@ impl Positioner {
             step_length_m: self.tracker.step_length_m(),
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
+            attitude: self.pedestrian.attitude(),
             last_heard,
             time,
         }))

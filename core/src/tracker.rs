@@ -324,6 +324,7 @@ mod tests {
             forward_field: None,
             end_strength_ut: Some(40.0 + 1.5 * k as f32),
             field_bias_reset: false,
+            attitude: crate::attitude::AttitudeEstimate::default(),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod played;
 mod recipe_file;
+mod table_file;
 mod walker;
 
 use std::io::Write;
@@ -30,7 +31,10 @@ pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), St
         Some(Dataset::Ilc) => score_systems(arguments, Layout::Ilc, out),
         Some(Dataset::Recordings) => score_systems(arguments, Layout::Recordings, out),
         Some(Dataset::OxfordSteps) => walker::run(walker_evaluation::oxford_steps::score, arguments, out),
-        Some(Dataset::Tyrex) => walker::run(walker_evaluation::tyrex::score, arguments, out),
+        Some(Dataset::Tyrex) => {
+            let table = arguments.table.as_deref().map(table_file::read).transpose()?;
+            walker::run(|dirs| walker_evaluation::tyrex::score(dirs, table), arguments, out)
+        }
     }
 }
 

@@ -18,6 +18,16 @@ pub enum Metric {
     AucUfh,
     /// Area under the receiver's curve: not upward against upward.
     AucNonUpward,
+    /// The same as `auc_ufh` over the moments at which the capture agrees with the trial's name.
+    AucUfhCaptured,
+    /// The same as `auc_non_upward` with the screen's side taken from the capture.
+    AucNonUpwardCaptured,
+    /// Area under the receiver's curve: top edge ahead against the same walks with the phone turned in quarters.
+    AucForwardTurned,
+    /// Share of moments at which UFH is decided rightly, in percent.
+    UfhCorrectPercent,
+    /// Share of moments at which the carry mode is the trial's, in percent.
+    CarryModeCorrectPercent,
     /// Median of the absolute heading error, in degrees.
     HeadingErrorMedianDeg,
 }
@@ -30,6 +40,11 @@ impl Metric {
             Self::CountErrorSignedPercent => "count_error_signed_percent",
             Self::AucUfh => "auc_ufh",
             Self::AucNonUpward => "auc_non_upward",
+            Self::AucUfhCaptured => "auc_ufh_captured",
+            Self::AucNonUpwardCaptured => "auc_non_upward_captured",
+            Self::AucForwardTurned => "auc_forward_turned",
+            Self::UfhCorrectPercent => "ufh_correct_percent",
+            Self::CarryModeCorrectPercent => "carry_mode_correct_percent",
             Self::HeadingErrorMedianDeg => "heading_error_median_deg",
         }
     }
@@ -85,6 +100,11 @@ mod tests {
             Metric::CountErrorSignedPercent,
             Metric::AucUfh,
             Metric::AucNonUpward,
+            Metric::AucUfhCaptured,
+            Metric::AucNonUpwardCaptured,
+            Metric::AucForwardTurned,
+            Metric::UfhCorrectPercent,
+            Metric::CarryModeCorrectPercent,
             Metric::HeadingErrorMedianDeg,
         ] {
             let row =

@@ -1,9 +1,12 @@
 //! The attitude benchmark of Tyrex: attitudes and headings against motion capture.
 
+pub mod attitude;
 mod heading;
+pub mod training;
 
 use std::path::PathBuf;
 
+use fieldwalk::attitude::EventTable;
 use fieldwalk::sensor::Sample;
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::tyrex::{Trial, Truth, find_trials};
@@ -25,13 +28,12 @@ pub struct CapturedTrial {
     pub truth: Truth,
 }
 
-/// Scores the recordings in `dirs`.
-///
-/// A folder whose name is none of a trial's gives a warning.
+/// Scores the recordings in `dirs`. A folder whose name is none of a trial's gives a warning.
 ///
 /// # Errors
 /// When a folder cannot be listed or holds no trial.
-pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
+/// `table` is scored as a system of its own, beside the built-in ones.
+pub fn score(dirs: &[PathBuf], table: Option<EventTable>) -> Result<MetricScores, FormatError> {
     let mut trials = Vec::new();
     let mut scores = MetricScores::default();
     for dir in dirs {
@@ -47,6 +49,7 @@ pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
             Err(error) => scores.errors.push(error),
         }
     }
+    attitude::score(&captured, table, &mut scores);
     heading::score(&captured, &mut scores);
     Ok(scores)
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::{Attitude, AttitudeEstimate, CarryMode};
 use crate::geometry::{Point2, wrap_rad};
 use crate::map::FloorMap;
 use crate::particle::CloudEstimate;
@@ -54,6 +55,10 @@ pub struct Fix {
     pub radius_95_m: f64,
     /// What the fix rests on.
     pub mode: Mode,
+    /// How the phone is held; unknown when stale.
+    pub attitude: Attitude,
+    /// Where the phone is carried; unknown when stale.
+    pub carry_mode: CarryMode,
 }
 
 /// What a fix is made from.
@@ -65,13 +70,15 @@ pub(crate) struct Inputs<'a> {
     pub last_step: Option<StepCycle>,
     /// How far the device has turned since the last step, in radians.
     pub turned_rad: f64,
+    pub attitude: AttitudeEstimate,
     /// The last consumed sample or the hint.
     pub last_heard: Option<Timestamp>,
     pub time: Timestamp,
 }
 
 pub(crate) fn assemble(inputs: &Inputs<'_>) -> Fix {
-    let Inputs { map, accuracy, estimate, step_length_m, last_step, turned_rad, last_heard, time } = *inputs;
+    let Inputs { map, accuracy, estimate, step_length_m, last_step, turned_rad, last_heard, time, .. } =
+        *inputs;
     let silent_s = last_heard.map_or(0.0, |last| time.secs_since(last)).max(0.0);
     let is_stale = silent_s > STALE_AFTER_S;
     let heading_rad = wrap_rad(estimate.heading_rad + turned_rad);
@@ -107,5 +114,7 @@ pub(crate) fn assemble(inputs: &Inputs<'_>) -> Fix {
             None => Mode::Started,
             Some(_) => Mode::ParticleFilter,
         },
+        attitude: if is_stale { Attitude::Unknown } else { inputs.attitude.attitude },
+        carry_mode: if is_stale { CarryMode::Unknown } else { inputs.attitude.carry_mode },
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::attitude::AttitudeEstimate;
 use crate::geometry::Point2;
 use crate::map::{FloorIndex, FloorMap, Transmitter};
 use crate::metrics::ScoredFix;
@@ -91,6 +92,7 @@ impl<'a> LeaveOneOut<'a> {
                 step_length_m: tracker.step_length_m(),
                 last_step,
                 turned_rad: 0.0,
+                attitude: AttitudeEstimate::default(),
                 last_heard: Some(waypoint.time),
                 time: waypoint.time,
             });

@@ -229,6 +229,8 @@ fn fix_fields(time_s: f64, fix: &Fix) -> Value {
         "radius_68_m": fix.radius_68_m,
         "radius_95_m": fix.radius_95_m,
         "mode": fix.mode,
+        "attitude": fix.attitude,
+        "carry_mode": fix.carry_mode,
     })
 }
 

@@ -38,6 +38,7 @@ class SameBitsTest {
             timeNs = 1_000_000, floor = 0, position = Point2(1.0, 2.0), latitudeLongitude = null,
             headingRad = 0.5, speedMS = 1.0, covarianceXxM2 = 1.0, covarianceXyM2 = 0.0, covarianceYyM2 = 1.0,
             radius68M = 1.5, radius95M = 2.5, mode = FixMode.PARTICLE_FILTER,
+            attitude = Attitude.UPWARD_FORWARD_HORIZONTAL, carryMode = CarryMode.HELD_UP,
         )
         val digest = FixBits().also { it.push(fix) }.hex()
         assertEquals("5403e681b73e71fea3723a43b989ead92fabcfcd09c89624ad6ddc5576a456aa", digest)
