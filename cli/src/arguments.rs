@@ -219,6 +219,8 @@ Examples:
       # change its name and some parameters, then:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
   fieldwalk evaluate --dataset oxford-steps oxford-steps --json
+  fieldwalk evaluate --dataset oxford-steps oxford-steps --plots miscounted
+  fieldwalk evaluate --dataset ilc site1 --lengths
 
 JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind of point.
   dataset, floor, system, start
@@ -232,13 +234,18 @@ JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind o
   step_us_median      time of a step on one thread, in microseconds
   seeds               number of seeds
 
-JSON for the others: one object a subset (\"all\": pooled), system and metric.
+JSON for the others, and with --lengths: one object a subset (\"all\": pooled), system and metric.
   dataset, subset, system, metric
   value               the metric's value, in the unit that its name ends in
-  n                   number of runs, strides or moments behind it
+  n                   number of runs, segments, strides or moments behind it
   oxford-steps        count_error_abs_percent, count_error_signed_percent: mean
                       over runs of the steps counted against the contacts of
                       the foot switches
+  --lengths           segment_length_error_percent: mean over straight segments
+                      between waypoints, ten steps into a walk, of the length
+                      by the steps against the true one, for static 0.65 m,
+                      the fitted model, and that with the walker's scale learnt
+                      from the segments before
 A number that does not exist is null.
 
 See `fieldwalk --help` for the exit codes.")]
@@ -288,6 +295,18 @@ pub struct EvaluateArguments {
     /// Score the first N folds, 1 to 4, pooled: with 4, every walk is tested once.
     #[arg(long = "folds", value_name = "N", value_parser = clap::value_parser!(u8).range(1..=i64::from(N_FOLDS)))]
     pub n_folds: Option<u8>,
+
+    /// For ilc and recordings: score step lengths between waypoints instead of systems.
+    #[arg(long)]
+    pub lengths: bool,
+
+    /// For oxford-steps: draw every walk that the phone's detector miscounted into this folder, made if need be.
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+
+    /// What counts as miscounted, in percent of the true steps, 0 to 100.
+    #[arg(long, value_name = "PERCENT", default_value_t = 2.0, requires = "plots", value_parser = values::percent)]
+    pub plot_errors_over: f64,
 
     /// Print one JSON object a line instead of tables.
     #[arg(long)]

@@ -1,14 +1,46 @@
 //! `fieldwalk evaluate` on recordings of the walker's half: a row a subset, system and metric.
 
+use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use fieldwalk_formats::FormatError;
 
 use crate::arguments::EvaluateArguments;
+use crate::floors::Layout;
 use crate::stop::{Stop, note};
 use crate::table::{number, table};
+use crate::walker_evaluation::oxford_steps::{self, CountedRun};
+use crate::walker_evaluation::segments;
+use crate::walker_evaluation::step_strips::step_strips;
 use crate::walker_evaluation::{MetricRow, MetricScores};
+
+/// Scores step detectors, and draws the walks that they miscounted if asked to.
+pub fn run_oxford_steps(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
+    let score = |dirs: &[PathBuf]| {
+        let counted = oxford_steps::count(dirs)?;
+        if let Some(folder) = &arguments.plots {
+            draw(&counted.runs, arguments.plot_errors_over, folder)?;
+        }
+        Ok(counted.into_scores())
+    };
+    run(score, arguments, out)
+}
+
+/// Scores step lengths between waypoints.
+pub fn run_segments(arguments: &EvaluateArguments, layout: Layout, out: &mut impl Write) -> Result<(), Stop> {
+    run(|dirs| segments::score(dirs, layout), arguments, out)
+}
+
+fn draw(runs: &[CountedRun], least_percent: f64, folder: &Path) -> Result<(), FormatError> {
+    fs::create_dir_all(folder).map_err(|error| FormatError::io("make the folder", folder, error))?;
+    for counted in runs.iter().filter(|run| run.signed_error_percent(0).abs() > least_percent) {
+        let path = folder.join(format!("{}.svg", counted.run.name));
+        fs::write(&path, step_strips(counted)?)
+            .map_err(|error| FormatError::io("write the picture", &path, error))?;
+    }
+    Ok(())
+}
 
 /// Scores with `score` and prints its rows.
 pub fn run(
