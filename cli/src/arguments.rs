@@ -1,6 +1,7 @@
 //! What can be asked for on the command line.
 
 mod import;
+mod report;
 mod simulate;
 mod values;
 
@@ -14,7 +15,8 @@ use crate::evaluation::{N_FOLDS, Start};
 use crate::floors::Layout;
 
 pub use import::ImportArguments;
-pub use simulate::{SimulateArguments, scenario};
+pub use report::{EvaluationReport, ReportArguments};
+pub use simulate::SimulateArguments;
 pub use values::{ReplayStart, Seeds};
 
 const EXIT_CODES: &str = "\
@@ -38,6 +40,7 @@ pub enum Command {
     Survey(SurveyArguments),
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
+    Report(ReportArguments),
     Import(ImportArguments),
     Simulate(SimulateArguments),
 }
@@ -67,8 +70,8 @@ pub struct DemoArguments {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1_000))]
     pub walks: u32,
 
-    /// Where office.map, office.geojson, its plan, and test-01.mcap, one of the walks, go: a folder, made if need be; those
-    /// that are there are replaced.
+    /// Where office.map, office.geojson, its plan, test-01.mcap, one of the walks, and report.html, which plays all, go: a
+    /// folder, made if need be; those that are there are replaced.
     #[arg(long, value_name = "DIR", default_value = "fieldwalk-demo")]
     pub out: PathBuf,
 
@@ -215,6 +218,8 @@ pub struct ReplayArguments {
 Examples:
   fieldwalk evaluate site1/F1 site1/F2
   fieldwalk evaluate site1 --systems dead-reckoning,fused --folds 4 --json
+  fieldwalk evaluate site1 --report report.html
+      # a page that plays the worst walks
   fieldwalk evaluate --print-recipe fused > mine.json
       # change its name and some parameters, then:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
@@ -311,6 +316,10 @@ pub struct EvaluateArguments {
     /// Print one JSON object a line instead of tables.
     #[arg(long)]
     pub json: bool,
+
+    /// The page.
+    #[command(flatten)]
+    pub page: EvaluationReport,
 
     /// Print a system's recipe as JSON, to change and give to --recipe.
     #[arg(

@@ -84,6 +84,12 @@ mod tests {
         bits.hex()
     }
 
+    /// The same fix and digest stand in the tests of the bindings, which compute it in their own language.
+    #[test]
+    fn the_digest_of_a_fix_is_known() {
+        assert_eq!(hex(&fix()), "5403e681b73e71fea3723a43b989ead92fabcfcd09c89624ad6ddc5576a456aa");
+    }
+
     #[test]
     fn the_last_bit_of_any_field_shows() {
         let one_bit_more = |number: f64| f64::from_bits(number.to_bits() + 1);

@@ -4,5 +4,6 @@ pub mod demo;
 pub mod evaluate;
 pub mod import;
 pub mod replay;
+pub mod report;
 pub mod simulate;
 pub mod survey;

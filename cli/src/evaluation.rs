@@ -5,10 +5,10 @@ mod row;
 mod start;
 mod walk;
 
-pub use floor::{Evaluation, FloorScores};
+pub use floor::{Evaluation, FloorScores, ScoredWalk};
 pub use row::{PointKind, Row, RowGroup};
 pub use start::Start;
-pub use walk::{TestWalk, TruthPoint, WalkScore, score};
+pub use walk::{TestWalk, TruthPoint, WalkScore, record, score, truth_points};
 
 use std::path::Path;
 

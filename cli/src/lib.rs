@@ -13,12 +13,14 @@ pub mod evaluation;
 pub mod floors;
 pub mod plot;
 mod progress;
+pub mod report;
 mod simulated;
 mod stop;
 mod table;
 pub mod walker_evaluation;
 pub mod walks;
 
+use std::ffi::OsString;
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
@@ -29,13 +31,21 @@ use stop::Stop;
 
 /// Runs the command that the process's arguments ask for.
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    run_from(std::env::args_os())
+}
+
+/// Runs the command that `arguments` ask for, the first of which is the program's name.
+///
+/// Wrong arguments end the process, as [`run`] does.
+pub fn run_from<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T>) -> ExitCode {
+    let arguments = Arguments::parse_from(arguments);
     let mut out = BufWriter::new(io::stdout().lock());
     let outcome = match &arguments.command {
         Command::Demo(arguments) => commands::demo::run(arguments, &mut out),
         Command::Survey(arguments) => commands::survey::run(arguments, &mut out),
         Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
         Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),
+        Command::Report(arguments) => commands::report::run(arguments, &mut out),
         Command::Import(arguments) => commands::import::run(arguments, &mut out),
         Command::Simulate(arguments) => commands::simulate::run(arguments, &mut out),
     };

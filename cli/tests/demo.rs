@@ -32,6 +32,9 @@ fn a_demo_maps_the_office_and_scores_every_system_the_same_each_time() {
     assert!(median_m("mass-centered").is_finite());
     assert!(median_m("fused") < median_m("dead-reckoning") && median_m("fused") < 1.5, "{first:?}");
 
+    let page = fs::read_to_string(dir.join("first/report.html")).unwrap();
+    assert!(page.contains("<title>Fieldwalk demo</title>") && page.contains(r#""label":"held level""#));
+
     let building = open_building(&dir.join("first/office.map")).unwrap();
     assert_eq!((building.name.as_str(), building.floors.len()), ("office", 1));
     let plan = read_plan(&fs::read(dir.join("first/office.geojson")).unwrap()).unwrap();

@@ -45,7 +45,7 @@ fn a_simulated_office_is_surveyed_and_walked() {
     // The truth beside it says where the fixes should be, at every one of them.
     let truth = fs::read_to_string(office.join("test/test-02.truth.csv")).unwrap();
     let mut lines = truth.lines();
-    assert_eq!(lines.next(), Some("time_ns,x_m,y_m,heading_rad"));
+    assert_eq!(lines.next(), Some("time_ns,x_m,y_m,heading_rad,floor"));
     let truth: Vec<Vec<f64>> =
         lines.map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect();
     let began = open_recording(&walk).unwrap().next().unwrap().unwrap().time();
@@ -92,12 +92,28 @@ fn the_same_seed_gives_the_same_bytes() {
 }
 
 #[test]
+fn two_floors_are_two_folders_and_the_test_walks_climb() {
+    let dir = folder("simulate_floors");
+    let site = dir.join("site");
+    succeed(&["simulate", "two-floors", "--out", text(&site), "--walks", "1", "--length", "40"]);
+    let json = succeed(&["survey", text(&site), "--out", text(&dir.join("map")), "--coverage", "--json"]);
+    let floors: Vec<Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(floors.iter().map(|floor| &floor["floor"]).collect::<Vec<_>>(), ["F1", "F2"]);
+    assert!(floors.iter().all(|floor| floor["refused_walks"].as_array().unwrap().is_empty()), "{json}");
+    let truth = fs::read_to_string(site.join("test/test-01.truth.csv")).unwrap();
+    for floor in [",0", ",1"] {
+        assert!(truth.lines().any(|line| line.ends_with(floor)), "{floor}");
+    }
+}
+
+#[test]
 fn scenarios_are_listed_and_foreign_files_are_not_mixed_in() {
-    assert!(succeed(&["simulate", "--list"]).starts_with("office "));
+    let list = succeed(&["simulate", "--list"]);
+    assert!(list.starts_with("office ") && list.contains("two-floors"), "{list}");
     let dir = folder("simulate_foreign");
     fail(&["simulate", "castle", "--out", text(&dir)], 2, &["castle", "office"]);
     fail(&["simulate"], 2, &["SCENARIO"]);
-    fail(&["simulate", "office", "--out", text(&dir), "--carry", "hat"], 2, &["level, pocket"]);
+    fail(&["simulate", "office", "--out", text(&dir), "--carry", "hat"], 2, &["level, upright"]);
     fs::create_dir_all(dir.join("test")).unwrap();
     fs::write(dir.join("test/test-09.mcap"), "of another run").unwrap();
     let said = ["test-09.mcap: a file of something else", "another --out"];

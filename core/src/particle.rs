@@ -45,6 +45,52 @@ pub struct Particles {
     pub log_weight: Vec<f32>,
 }
 
+/// What an array belongs to: a recipe uses all arrays of a part, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Every system.
+    Always,
+    /// A direction by gyroscope, once there was a first step.
+    Gyroscope,
+    /// A length model that is scaled.
+    ScaledLength,
+    /// A length by genes.
+    GeneticLength,
+    /// The field vector's likelihood.
+    FieldVector,
+    /// The mass-centred weight.
+    MassCentered,
+    /// The mass-centred weight: as many values a particle as its window has steps.
+    MassCenteredWindow,
+}
+
+/// The arrays of `Particles` with their parts, borrowed as the argument is.
+macro_rules! arrays {
+    ($particles:expr) => {
+        arrays!($particles; {
+            x_m: Always,
+            y_m: Always,
+            heading_sin: Always,
+            heading_cos: Always,
+            heading_offset_rad: Gyroscope,
+            length_scale: ScaledLength,
+            gene_a_m: GeneticLength,
+            gene_b_m: GeneticLength,
+            bias_x_ut: FieldVector,
+            bias_y_ut: FieldVector,
+            bias_z_ut: FieldVector,
+            bias_variance_ut2: FieldVector,
+            strength_ut: MassCentered,
+            delta_errors_ut: MassCenteredWindow,
+            log_weight: Always,
+        })
+    };
+    ($particles:expr; { $($array:ident: $part:ident,)* }) => {{
+        let Particles { $($array),* } = $particles;
+        [$((Part::$part, $array)),*]
+    }};
+}
+
 /// JSON has no NaN: it writes null.
 fn null_as_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<f32>, D::Error> {
     let values = Vec::<Option<f32>>::deserialize(deserializer)?;
@@ -76,41 +122,13 @@ impl Particles {
         self.x_m.is_empty()
     }
 
-    fn arrays(&mut self) -> [&mut Vec<f32>; 15] {
-        let Self {
-            x_m,
-            y_m,
-            heading_sin,
-            heading_cos,
-            heading_offset_rad,
-            length_scale,
-            gene_a_m,
-            gene_b_m,
-            bias_x_ut,
-            bias_y_ut,
-            bias_z_ut,
-            bias_variance_ut2,
-            strength_ut,
-            delta_errors_ut,
-            log_weight,
-        } = self;
-        [
-            x_m,
-            y_m,
-            heading_sin,
-            heading_cos,
-            heading_offset_rad,
-            length_scale,
-            gene_a_m,
-            gene_b_m,
-            bias_x_ut,
-            bias_y_ut,
-            bias_z_ut,
-            bias_variance_ut2,
-            strength_ut,
-            delta_errors_ut,
-            log_weight,
-        ]
+    /// Every array with what it belongs to.
+    pub(crate) fn arrays(&self) -> [(Part, &Vec<f32>); 15] {
+        arrays!(self)
+    }
+
+    fn arrays_mut(&mut self) -> [(Part, &mut Vec<f32>); 15] {
+        arrays!(self)
     }
 
     /// Replaces the particles by a systematic sample of `weights` (not necessarily normalised), offset `u` in [0, 1).
@@ -133,7 +151,7 @@ impl Particles {
             }
             scratch.ancestors.push(ancestor as u32);
         }
-        for array in self.arrays() {
+        for (_, array) in self.arrays_mut() {
             gather(array, n, scratch);
         }
         self.log_weight.fill(0.0);

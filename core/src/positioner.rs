@@ -215,7 +215,7 @@ impl Positioner {
     /// Each particle's place and weight, relative to the heaviest's: for displays that show what the filter weighs.
     ///
     /// They stand where the last step ended; none before a start. Their number and order mean nothing.
-    pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> {
+    pub fn particles(&self) -> impl ExactSizeIterator<Item = (Point2, f32)> + Clone {
         let particles = self.tracker.particles();
         let places = particles.x_m.iter().zip(&particles.y_m);
         places

@@ -12,7 +12,7 @@ mod track;
 
 use serde::{Deserialize, Serialize};
 
-pub use build::{SurveyError, SurveyParams, build_floor};
+pub use build::{MAX_NODES, SurveyError, SurveyParams, build_floor};
 pub use coverage::Coverage;
 pub use kriging::KrigingParams;
 pub use leave_one_out::LeaveOneOut;

@@ -11,7 +11,7 @@ use crate::geometry::Point2;
 use crate::map::FloorIndex;
 use crate::observation::radio::RadioObservation;
 use crate::observation::{field_vector, mass_centered, radio};
-use crate::particle::{CloudEstimate, EstimateScratch, Particles, ResampleScratch};
+use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
 use crate::pedestrian::StepEvent;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
@@ -100,40 +100,22 @@ impl Tracker {
     /// Whether `state`'s arrays are as long as this recipe's: a torn snapshot's are not.
     pub fn fits(&self, state: &TrackerState) -> bool {
         let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
-        let in_use = |is_used: bool| if is_used { n } else { 0 };
-        let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
         let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
-        let has_bias = matches!(self.recipe.magnetic, MagneticRule::FieldVector(_));
+        let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
         let window = match self.recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
             _ => 0,
         };
-        let Particles {
-            x_m,
-            y_m,
-            heading_sin,
-            heading_cos,
-            heading_offset_rad,
-            length_scale,
-            gene_a_m,
-            gene_b_m,
-            bias_x_ut,
-            bias_y_ut,
-            bias_z_ut,
-            bias_variance_ut2,
-            strength_ut,
-            delta_errors_ut,
-            log_weight,
-        } = &state.particles;
-        let always = [x_m, y_m, heading_sin, heading_cos, log_weight];
-        let biases = [bias_x_ut, bias_y_ut, bias_z_ut, bias_variance_ut2];
-        always.iter().all(|array| array.len() == n)
-            && biases.iter().all(|array| array.len() == in_use(has_bias))
-            && [gene_a_m, gene_b_m].iter().all(|array| array.len() == in_use(is_genetic))
-            && length_scale.len() == in_use(!is_genetic)
-            && heading_offset_rad.len() == in_use(has_gyroscope && state.is_oriented)
-            && strength_ut.len() == in_use(window > 0)
-            && delta_errors_ut.len() == n * window
+        let a_particle = |part| match part {
+            Part::Always => 1,
+            Part::Gyroscope => usize::from(has_gyroscope && state.is_oriented),
+            Part::ScaledLength => usize::from(!is_genetic),
+            Part::GeneticLength => usize::from(is_genetic),
+            Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
+            Part::MassCentered => usize::from(window > 0),
+            Part::MassCenteredWindow => window,
+        };
+        state.particles.arrays().into_iter().all(|(part, array)| array.len() == n * a_particle(part))
     }
 
     /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.

@@ -12,6 +12,7 @@ pub mod ilc;
 pub mod map;
 pub mod oxford_steps;
 pub mod recording;
+pub mod sensor_logger;
 pub mod tyrex;
 
 mod text_lines;

@@ -1,12 +1,14 @@
 //! GetSensorData logs, by hand-written lines.
 
+mod text_log;
+
 use fieldwalk::floor_plan::Georeference;
-use fieldwalk::sensor::{RadioSighting, Reading, Sample, TransmitterId};
-use fieldwalk::time::Timestamp;
+use fieldwalk::sensor::{Reading, TransmitterId};
 use fieldwalk_formats::get_sensor_data::GetSensorDataReader;
 use fieldwalk_formats::ilc::{LineFault, LineRejections};
 use fieldwalk_formats::{FormatError, Record};
 use proptest::prelude::*;
+use text_log::{radio, read_all, sample};
 
 const LOG: &str = "
 % LogFile created by the 'GetSensorData2.1' App for Android.
@@ -24,24 +26,7 @@ POSI;2.000;2;40.31361000;-3.48369000;0;0;
 ";
 
 fn read(bytes: &[u8]) -> (Vec<Record>, LineRejections, Option<FormatError>) {
-    let mut reader = GetSensorDataReader::new(bytes, "log.txt");
-    let (mut records, mut last_error) = (Vec::new(), None);
-    for item in reader.by_ref() {
-        assert!(last_error.is_none(), "an error is the last item");
-        match item {
-            Ok(record) => records.push(record),
-            Err(error) => last_error = Some(error),
-        }
-    }
-    (records, reader.rejections().clone(), last_error)
-}
-
-fn sample(ms: i64, reading: Reading) -> Record {
-    Record::Sample(Sample { time: Timestamp::from_millis(ms), reading })
-}
-
-fn radio(ms: i64, transmitter: TransmitterId, rssi_dbm: f32) -> Record {
-    sample(ms, Reading::Radio(RadioSighting { transmitter, rssi_dbm }))
+    read_all(GetSensorDataReader::new(bytes, "log.txt"))
 }
 
 #[test]
@@ -55,9 +40,9 @@ fn every_kind_of_line_gives_its_record() {
         sample(17, Reading::AngularRate([-0.375, -0.125, 0.0625])),
         sample(19, Reading::MagneticField([29.5, 6.25, -30.0])),
         sample(19, Reading::Pressure { pressure_hpa: 1013.25 }),
-        radio(1_250, TransmitterId::WifiBssid([0xa8, 0x0c, 0xca, 3, 0x9d, 0xd7]), -49.0),
-        radio(1_250, TransmitterId::WifiBssid([0xa8, 0x0c, 0xca, 3, 0x9d, 0xd8]), -50.0),
-        radio(1_300, TransmitterId::BleAddress([0xe0, 0x78, 0xa3, 0x3d, 0xb5, 0xd6]), -93.0),
+        sample(1_250, radio(TransmitterId::WifiBssid([0xa8, 0x0c, 0xca, 3, 0x9d, 0xd7]), -49.0)),
+        sample(1_250, radio(TransmitterId::WifiBssid([0xa8, 0x0c, 0xca, 3, 0x9d, 0xd8]), -50.0)),
+        sample(1_300, radio(TransmitterId::BleAddress([0xe0, 0x78, 0xa3, 0x3d, 0xb5, 0xd6]), -93.0)),
     ];
     assert_eq!(samples, expected);
 

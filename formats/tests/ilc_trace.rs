@@ -1,36 +1,22 @@
 //! Traces of the public collection, by hand-written lines.
 
+mod text_log;
+
 use std::fs;
 use std::io::{self, BufReader, Read};
 
 use fieldwalk::geometry::Point2;
-use fieldwalk::sensor::{RadioSighting, Reading, Sample, TransmitterId};
+use fieldwalk::sensor::{Reading, TransmitterId};
 use fieldwalk::time::Timestamp;
 use fieldwalk_formats::ilc::{Floor, LineFault, LineRejections, TraceReader};
 use fieldwalk_formats::{FormatError, Record};
 use proptest::prelude::*;
+use text_log::{radio, read_all, sample};
 
 const WALK: &str = include_str!("fixtures/walk.txt");
 
 fn read(bytes: &[u8]) -> (Vec<Record>, LineRejections, Option<FormatError>) {
-    let mut reader = TraceReader::new(bytes, "walk.txt");
-    let (mut records, mut last_error) = (Vec::new(), None);
-    for item in reader.by_ref() {
-        assert!(last_error.is_none(), "an error is the last item");
-        match item {
-            Ok(record) => records.push(record),
-            Err(error) => last_error = Some(error),
-        }
-    }
-    (records, reader.rejections().clone(), last_error)
-}
-
-fn sample(ms: i64, reading: Reading) -> Record {
-    Record::Sample(Sample { time: Timestamp::from_millis(ms), reading })
-}
-
-fn radio(ms: i64, transmitter: TransmitterId, rssi_dbm: f32) -> Record {
-    sample(ms, Reading::Radio(RadioSighting { transmitter, rssi_dbm }))
+    read_all(TraceReader::new(bytes, "walk.txt"))
 }
 
 #[test]
@@ -51,9 +37,12 @@ fn every_kind_of_line_gives_its_record() {
             },
         ),
         sample(1_600_000_000_160, Reading::Pressure { pressure_hpa: 1013.25 }),
-        radio(1_600_000_001_000, TransmitterId::WifiBssid([0xa8, 0x0c, 0xca, 3, 0x9d, 0xd7]), -49.0),
-        radio(1_600_000_001_200, TransmitterId::BleAddress([0xe0, 0x78, 0xa3, 0x3d, 0xb5, 0xd6]), -93.0),
-        radio(1_600_000_001_300, TransmitterId::Ibeacon { uuid, major: 3, minor: 40 }, -71.0),
+        sample(1_600_000_001_000, radio(TransmitterId::WifiBssid([0xa8, 0x0c, 0xca, 3, 0x9d, 0xd7]), -49.0)),
+        sample(
+            1_600_000_001_200,
+            radio(TransmitterId::BleAddress([0xe0, 0x78, 0xa3, 0x3d, 0xb5, 0xd6]), -93.0),
+        ),
+        sample(1_600_000_001_300, radio(TransmitterId::Ibeacon { uuid, major: 3, minor: 40 }, -71.0)),
         Record::Waypoint { time: Timestamp::from_millis(1_600_000_002_000), point: Point2::new(75.0, 94.75) },
     ];
     assert_eq!(records, expected);

@@ -46,6 +46,9 @@ pub struct Scenario {
     pub movable: MovableParams,
     /// Its transmitters.
     pub radio: RadioScene,
+    /// Standard deviation of the place that a surveyor taps about the true one, along each axis, in metres; 0 where
+    /// marks on the floor are tapped.
+    pub tap_sd_m: f64,
     /// What everything by chance follows from.
     pub seed: u64,
 }
@@ -83,7 +86,7 @@ impl Scenario {
         let radio = RadioScene::of_building(&building, BEACON_SPACING_M, seed);
         let field = MagneticField::default();
         let movable = MovableParams::default();
-        let mut scenario = Self { name, building, upstairs, field, movable, radio, seed };
+        let mut scenario = Self { name, building, upstairs, field, movable, radio, tap_sd_m: 0.0, seed };
         let earth = EarthField::default();
         let mut sources = Vec::new();
         for floor in scenario.floors() {
@@ -226,7 +229,7 @@ impl Scenario {
         Recorded {
             name: walk.name.clone(),
             samples,
-            waypoints: walk.waypoints(gait, STANDING_S),
+            waypoints: walk.waypoints(gait, STANDING_S, self.tap_sd_m),
             truth: truth.collect(),
             steps: gait.steps().to_vec(),
         }

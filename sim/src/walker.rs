@@ -56,7 +56,7 @@ impl Default for WalkerProfile {
             length_sd: 0.03,
             time_sd: 0.02,
             rise: 1.13,
-            heel_strike_m_s2: 2.5,
+            heel_strike_m_s2: 3.8,
             sway_m: 0.02,
             stray_m: 0.05,
         }
@@ -72,13 +72,13 @@ impl WalkerProfile {
         let build = height_m / 1.72;
         Self {
             height_m,
-            speed_m_s: noise.typical(1.2, 0.12) * build.sqrt(),
-            walk_ratio_m_hz: noise.typical(0.384, 0.023) * build,
+            speed_m_s: noise.typical(1.2, 0.16) * build.sqrt(),
+            walk_ratio_m_hz: noise.typical(0.384, 0.035) * build,
             asymmetry: noise.typical(0.0, 0.012),
             length_sd: noise.within(0.02, 0.04),
             time_sd: noise.within(0.015, 0.03),
             rise: noise.typical(1.13, 0.2),
-            heel_strike_m_s2: noise.within(1.5, 3.5),
+            heel_strike_m_s2: noise.within(2.5, 5.0),
             sway_m: noise.within(0.012, 0.028),
             stray_m: noise.within(0.03, 0.08),
         }

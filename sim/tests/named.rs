@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "test code outside test functions")]
 
 use fieldwalk::geometry::Segment;
-use fieldwalk::sensor::Sample;
+use fieldwalk::sensor::{Reading, Sample};
 use fieldwalk_sim::scenario::{Recorded, Scenario, Walk};
 
 fn scenario(name: &str) -> Scenario {
@@ -57,6 +57,13 @@ fn every_scenario_gives_plausible_recordings() {
     }
 }
 
+fn pressure_hpa(sample: &Sample) -> Option<f64> {
+    match sample.reading {
+        Reading::Pressure { pressure_hpa } => Some(f64::from(pressure_hpa)),
+        _ => None,
+    }
+}
+
 #[test]
 fn stairs_lead_from_floor_to_floor_tread_by_tread() {
     let scenario = scenario("two-floors");
@@ -69,6 +76,15 @@ fn stairs_lead_from_floor_to_floor_tread_by_tread() {
         assert!(((first.height_m - last.height_m).abs() - storey_m).abs() < 1e-9);
         assert!((first.height_m - f64::from(first.floor) * storey_m).abs() < 1e-9);
         starts.push(first.floor);
+        // The barometer tells it: 12 Pa a metre, within what weather, draughts and its drift do in a minute or two.
+        let pressures: Vec<f64> = walk.samples.iter().filter_map(pressure_hpa).collect();
+        let duration_s = last.time.secs_since(first.time);
+        assert!((pressures.len() as f64 / duration_s - 10.0).abs() < 0.3);
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let n = pressures.len();
+        let climbed_hpa = mean(&pressures[..50]) - mean(&pressures[n - 50..]);
+        let climbed_m = last.height_m - first.height_m;
+        assert!((climbed_hpa - 0.1194 * climbed_m).abs() < 0.15, "{climbed_hpa} hPa for {climbed_m} m");
         // Twenty treads of 0.17 m, at 1.3 to 1.8 steps a second.
         let is_between = |h: f64| h > 0.02 && h < storey_m - 0.02;
         let climbing: Vec<_> = walk

@@ -2,7 +2,9 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod browser;
 pub mod recordings;
+pub mod skipped;
 pub mod synthetic;
 
 /// The README's example compiles.

@@ -7,10 +7,12 @@
 //! Archives are unpacked into `fieldwalk-data` in Cargo's build folder, never into the source tree.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::UNIX_EPOCH;
+
+use crate::skipped;
 
 /// The folder of one floor of the shopping mall of indoor-location-competition-20, for instance `"F1"`: it holds
 /// `floor_info.json`, `geojson_map.json` and `traces/*.txt`.
@@ -39,17 +41,14 @@ pub fn tyrex_attitude() -> Option<PathBuf> {
     })
 }
 
-/// The folder of the Oxford step-counting collection: a folder a walk.
-///
-/// Read from `$FIELDWALK_DATA/oxford-steps.tar.xz`, or from the folder `$FIELDWALK_DATA/oxford-steps` where there is no
-/// archive. `None` when there is neither; the test then returns early.
+/// The folder of the collection `name`: of the archive `$FIELDWALK_DATA/NAME.tar.xz`, or else the folder
+/// `$FIELDWALK_DATA/NAME`. `None` when there is neither.
 ///
 /// # Panics
 /// When there is neither and `FIELDWALK_REQUIRE_DATA=1`, and when the archive cannot be unpacked.
-pub fn oxford_steps() -> Option<PathBuf> {
-    find("oxford-steps", "neither oxford-steps.tar.xz nor oxford-steps", |recordings, cache| {
-        find_archive(recordings, cache, "oxford-steps")
-    })
+pub fn collection(name: &str) -> Option<PathBuf> {
+    let sought = format!("neither {name}.tar.xz nor {name}");
+    find(name, &sought, |recordings, cache| find_archive(recordings, cache, name))
 }
 
 fn find(
@@ -162,18 +161,12 @@ fn untar(archive: &Path, folder: &Path) -> io::Result<()> {
     )))
 }
 
-/// Says on standard error, past the test runner's capture, that a recording is missing; fails when that was ruled out.
+/// Says that a recording is missing; fails when that was ruled out.
 fn missing(wanted: &str, reason: &str) -> Option<PathBuf> {
     if std::env::var("FIELDWALK_REQUIRE_DATA").is_ok_and(|value| value == "1") {
         fail(wanted, reason);
     }
-    let line = format!("tests of {wanted}: {reason}\n");
-    let _ = io::stderr().write_all(format!("SKIPPED {line}").as_bytes());
-    // `cargo xtask test` repeats these lines at its end.
-    if let Some(log) = std::env::var_os("FIELDWALK_SKIP_LOG") {
-        let file = File::options().create(true).append(true).open(log);
-        let _ = file.and_then(|mut file| file.write_all(line.as_bytes()));
-    }
+    skipped::say(wanted, reason);
     None
 }
 

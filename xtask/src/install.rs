@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::aarch64::{self, TARGET};
+use crate::kotlin;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
@@ -43,6 +44,24 @@ const TOOLS: &[Tool] = &[
         purpose: "unpacking recordings, stage test",
         is_present: || find_program("tar").is_some() && find_program("xz").is_some(),
         packages: &["tar", "xz-utils"],
+    },
+    Tool {
+        name: "chromium",
+        purpose: "the report in a browser, stage test",
+        is_present: || find_program("chromium").is_some(),
+        packages: &["chromium"],
+    },
+    Tool {
+        name: "a JDK",
+        purpose: "stage kotlin",
+        is_present: kotlin::has_jdk,
+        packages: &["default-jdk-headless"],
+    },
+    Tool {
+        name: "Maven",
+        purpose: "stage kotlin",
+        is_present: || find_program("mvn").is_some(),
+        packages: &["maven"],
     },
     Tool {
         name: "python3 with venv",

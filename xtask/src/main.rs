@@ -2,8 +2,10 @@
 
 mod aarch64;
 mod arguments;
+mod bindings;
 mod fuzz;
 mod install;
+mod kotlin;
 mod process;
 mod report;
 mod stages;

@@ -1,6 +1,7 @@
 //! Running other programs.
 
 use std::ffi::OsStr;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -13,6 +14,13 @@ pub fn run(command: &mut Command) -> Result<(), String> {
         Ok(status) => Err(format!("`{shown}`: {status}")),
         Err(error) => Err(format!("`{shown}` did not start: {error}")),
     }
+}
+
+/// As [`run`], with the command's output in the file `log`.
+pub fn run_into(command: &mut Command, log: &Path) -> Result<(), String> {
+    let open = File::create(log).and_then(|file| Ok((file.try_clone()?, file)));
+    let (out, errors) = open.map_err(|error| format!("{}: {error}", log.display()))?;
+    run(command.stdout(out).stderr(errors))
 }
 
 /// True when the command runs and succeeds; its output is dropped.

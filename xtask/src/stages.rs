@@ -6,7 +6,7 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, fuzz, install, tidy};
+use crate::{aarch64, bindings, fuzz, install, kotlin, tidy};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -25,6 +25,8 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "docs", quick: true, run: |workspace, _| docs(workspace) },
     Stage { name: "deny", quick: false, run: |workspace, _| deny(workspace) },
     Stage { name: "test", quick: true, run: |workspace, _| test(workspace) },
+    Stage { name: "bindings", quick: false, run: |workspace, _| bindings::run(workspace) },
+    Stage { name: "kotlin", quick: false, run: |workspace, _| kotlin::run(workspace) },
     Stage {
         name: "fuzz",
         quick: false,
@@ -114,12 +116,15 @@ fn deny(workspace: &Workspace) -> Outcome {
 /// Unit, property, replay and documentation tests.
 ///
 /// Tests that miss a recording add a line to the file named by `FIELDWALK_SKIP_LOG`, so that what was left out is
-/// seen here too.
+/// seen here too. The generator of bindings is tested by the stage `bindings`, which builds it in a profile of its own.
 fn test(workspace: &Workspace) -> Outcome {
     let skip_log = workspace.target.join("skipped-tests.txt");
     let _ = std::fs::remove_file(&skip_log);
-    let result =
-        execute(workspace.cargo("test --workspace --no-fail-fast").env("FIELDWALK_SKIP_LOG", &skip_log));
+    let result = execute(
+        workspace
+            .cargo("test --workspace --exclude fieldwalk-bindgen --no-fail-fast")
+            .env("FIELDWALK_SKIP_LOG", &skip_log),
+    );
     let mut skipped: Vec<String> =
         std::fs::read_to_string(&skip_log).unwrap_or_default().lines().map(str::to_owned).collect();
     skipped.sort();

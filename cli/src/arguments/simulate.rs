@@ -7,19 +7,28 @@ use clap::builder::PossibleValuesParser;
 use fieldwalk_sim::phone::CarryMode;
 use fieldwalk_sim::scenario::Scenario;
 
-/// Makes a scenario from a seed.
-type Make = fn(u64) -> Scenario;
-
-/// The scenarios: a line each, with the name, what it is, and how a seed makes it.
-const SCENARIOS: [(&str, &str, Make); 1] =
-    [("office", "60 x 40 m, steel, beacons every 12 m in corridors of 0.7 to 1.6 m", Scenario::office)];
+/// What the scenarios are, in the order of [`Scenario::NAMES`].
+const SCENARIOS: [&str; Scenario::NAMES.len()] = [
+    "60 x 40 m, steel, beacons every 12 m in corridors of 0.7 to 1.6 m",
+    "60 x 40 m of corridors of 0.7 and 1.6 m, access points only",
+    "1800 m2 without walls, two clusters of three beacons 50 m apart",
+    "20.5 x 16 m, three rooms, a beacon in each corner",
+    "a ring of corridors, 67 x 12 m, no radio",
+    "120 x 80 m, ways 8 to 12 m wide, weak steel, few beacons",
+    "two floors of 40 x 24 m, a folder each; test walks climb the stairs",
+];
 
 /// The ways to carry a phone, by name.
-const CARRY_MODES: [(&str, CarryMode); 5] = [
+const CARRY_MODES: [(&str, CarryMode); CarryMode::ALL.len()] = [
     ("level", CarryMode::HeldLevel),
-    ("pocket", CarryMode::FrontPocket),
+    ("upright", CarryMode::HeldUpright),
+    ("landscape", CarryMode::HeldLandscape),
+    ("askew", CarryMode::HeldAskew),
     ("ear", CarryMode::AtEar),
     ("hand", CarryMode::SwingingHand),
+    ("pocket", CarryMode::FrontPocket),
+    ("back-pocket", CarryMode::BackPocket),
+    ("shaken", CarryMode::Shaken),
     ("table", CarryMode::OnTable),
 ];
 
@@ -41,12 +50,15 @@ Written into DIR, the layout `recordings` of `fieldwalk survey --help`:
   test/NAME.mcap      walks that the survey has not seen
   survey/NAME.truth.csv, test/NAME.truth.csv
                       time_ns (the recording's clock), x_m, y_m (the floor frame),
-                      heading_rad (of the trunk, clockwise from +y); ten a second
+                      heading_rad (of the trunk, clockwise from +y), floor (0: ground);
+                      ten a second
+Of several floors each has a folder of its own, F1 the lowest, with plan.geojson
+and survey/; test walks go from floor to floor, with waypoints on the first.
 
 See `fieldwalk --help` for the exit codes.")]
 pub struct SimulateArguments {
     /// The scenario's name; see --list.
-    #[arg(value_name = "SCENARIO", required_unless_present = "list", value_parser = PossibleValuesParser::new(SCENARIOS.map(|(name, ..)| name)))]
+    #[arg(value_name = "SCENARIO", required_unless_present = "list", value_parser = PossibleValuesParser::new(Scenario::NAMES))]
     pub scenario: Option<String>,
 
     /// Where the files go: a folder, made if need be.
@@ -65,7 +77,8 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "M", default_value_t = 130, value_parser = clap::value_parser!(u32).range(20..=10_000))]
     pub length: u32,
 
-    /// How the phone is carried in test walks: level, pocket, ear, hand or table.
+    /// How the phone is carried in test walks: level, upright, landscape, askew, ear, hand, pocket, back-pocket,
+    /// shaken or table.
     #[arg(long, value_name = "MODE", default_value = "level", value_parser = carry_mode)]
     pub carry: CarryMode,
 
@@ -77,16 +90,13 @@ pub struct SimulateArguments {
 impl SimulateArguments {
     /// A line a scenario: its name and what it is.
     pub fn listed() -> impl Iterator<Item = (&'static str, &'static str)> {
-        SCENARIOS.into_iter().map(|(name, what, _)| (name, what))
+        Scenario::NAMES.into_iter().zip(SCENARIOS)
     }
-}
-
-/// The scenario called `name`, from `seed`.
-pub fn scenario(name: &str, seed: u64) -> Option<Scenario> {
-    SCENARIOS.into_iter().find(|(known, ..)| *known == name).map(|(_, _, make)| make(seed))
 }
 
 fn carry_mode(text: &str) -> Result<CarryMode, String> {
     let known = CARRY_MODES.into_iter().find(|(name, _)| *name == text);
-    known.map(|(_, mode)| mode).ok_or_else(|| "expected level, pocket, ear, hand or table".into())
+    known.map(|(_, mode)| mode).ok_or_else(|| {
+        "expected level, upright, landscape, askew, ear, hand, pocket, back-pocket, shaken or table".into()
+    })
 }

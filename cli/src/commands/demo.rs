@@ -12,6 +12,7 @@ use fieldwalk::survey::{SurveyParams, SurveyWalk, Waypoint, build_floor};
 use fieldwalk::system::Recipe;
 use fieldwalk::time::Duration;
 use fieldwalk_formats::{FormatError, write_building, write_plan};
+use fieldwalk_sim::phone::CarryMode;
 use fieldwalk_sim::scenario::{Recorded, Scenario};
 use indicatif::ProgressBar;
 use rand::Rng as _;
@@ -19,8 +20,9 @@ use rayon::prelude::*;
 
 use crate::arguments::DemoArguments;
 use crate::error_table::error_table;
-use crate::evaluation::{PointKind, Row, RowGroup, Start, TestWalk, TruthPoint, WalkScore, score};
+use crate::evaluation::{PointKind, Row, RowGroup, Start, TestWalk, TruthPoint, WalkScore, record, score};
 use crate::progress;
+use crate::report::{ErrorCurve, Report, Truth, Walk, page};
 use crate::simulated::write_recording;
 use crate::stop::Stop;
 
@@ -48,7 +50,9 @@ pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> 
     write_building(&map_dir, &building)?;
     let floor = building.floors.remove(0);
     let recording = save_first_walk(&office, &arguments.out)?;
-    let rows = score_walks(&office, floor, arguments.walks);
+    let report_file = arguments.out.join("report.html");
+    let (rows, report) = score_walks(&office, floor, arguments.walks);
+    page::write(&report, &report_file)?;
     if arguments.json {
         for row in &rows {
             writeln!(out, "{}", serde_json::to_string(row)?)?;
@@ -68,7 +72,8 @@ pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> 
     }
     writeln!(
         out,
-        "The map is in {}, its plan in {}; next, map a floor of yours: fieldwalk survey --help",
+        "The walks play in {}: open it in a browser\nThe map is in {}, its plan in {}; next, map a floor of yours: fieldwalk survey --help",
+        report_file.display(),
         map_dir.display(),
         plan_file.display()
     )?;
@@ -84,7 +89,7 @@ fn save_plan(plan: &FloorPlan, dir: &Path, file: &Path) -> Result<(), FormatErro
 fn save_first_walk(office: &Scenario, dir: &Path) -> Result<Option<PathBuf>, FormatError> {
     let Some(walk) = office.test_walks(1, WALK_M).pop() else { return Ok(None) };
     let path = dir.join(format!("{}.mcap", walk.name));
-    write_recording(&office.simulate(&walk), FLOOR, &path)?;
+    write_recording(&office.simulate(&walk), &path)?;
     Ok(Some(path))
 }
 
@@ -104,23 +109,27 @@ fn survey(office: &Scenario) -> Result<FloorMap, Stop> {
         .map_err(|error| Stop::Failed(format!("no map of the simulated walks: {error}")))
 }
 
-/// One row a system.
-fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> Vec<Row> {
+/// One row a system, and the page that plays the walks.
+fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> (Vec<Row>, Report) {
     let floor = Arc::new(FloorIndex::new(floor));
     let recipes: Vec<Recipe> = Recipe::NAMES.into_iter().filter_map(Recipe::named).collect();
     let walks: Vec<_> = (0..).zip(office.test_walks(n_walks.into(), WALK_M)).collect();
     let bar = progress::bar("walks that the map has not seen", walks.len() * recipes.len());
-    let scored: Vec<Vec<WalkScore>> = walks
+    let (scored, played): (Vec<Vec<WalkScore>>, Vec<Walk>) = walks
         .into_par_iter()
         .filter_map(|(k, walk)| {
+            let name = walk.name.clone();
+            let carry = carry_changes(&walk);
             let walk = test_walk(office.simulate(&walk))?;
             // All recordings begin at one instant, so the start is off by as much in all under one seed.
             let seed = CounterRng::new(office.seed, k).next_u64();
-            Some(score_systems(&floor, &recipes, seed, &walk, &bar))
+            let played = record(&floor, &recipes, START, seed, &walk, &name).with_changes("carry", &carry);
+            Some((score_systems(&floor, &recipes, seed, &walk, &bar), played))
         })
-        .collect();
+        .unzip();
     bar.finish_and_clear();
     let start = START.to_string();
+    let of_system = |k: usize| scored.iter().map(move |walk| &walk[k]).collect::<Vec<_>>();
     let rows_of = |(k, recipe): (usize, &Recipe)| {
         let group = RowGroup {
             dataset: DATASET,
@@ -130,9 +139,36 @@ fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> Vec<Row> {
             n_walks: scored.len(),
             seeds: 1,
         };
-        group.rows(&scored.iter().map(|walk| &walk[k]).collect::<Vec<_>>())
+        group.rows(&of_system(k))
     };
-    recipes.iter().enumerate().flat_map(rows_of).collect()
+    let rows: Vec<Row> = recipes.iter().enumerate().flat_map(rows_of).collect();
+    let (n, seed, start) = (scored.len(), office.seed, START.in_words());
+    let about = format!("{n} walks that the map has not seen in a {DATASET}, seed {seed}; {start}");
+    let systems = recipes.iter().map(|recipe| recipe.name.clone()).collect();
+    let mut report = Report::new("Fieldwalk demo", about, systems);
+    let curve_of = |(k, recipe): (usize, &Recipe)| ErrorCurve::of(&recipe.name, &of_system(k));
+    report.set_errors(scored.len(), rows.clone(), recipes.iter().enumerate().filter_map(curve_of).collect());
+    played.into_iter().for_each(|walk| report.add(&floor, FLOOR, walk));
+    report.sort_worst_first();
+    (rows, report)
+}
+
+/// How the phone is carried, from which second on.
+fn carry_changes(walk: &fieldwalk_sim::scenario::Walk) -> Vec<(f64, String)> {
+    let name = |mode| match mode {
+        CarryMode::HeldLevel => "held level",
+        CarryMode::HeldUpright => "held upright",
+        CarryMode::HeldLandscape => "held across",
+        CarryMode::HeldAskew => "held askew",
+        CarryMode::AtEar => "at the ear",
+        CarryMode::SwingingHand => "swinging hand",
+        CarryMode::FrontPocket => "front pocket",
+        CarryMode::BackPocket => "back pocket",
+        CarryMode::Shaken => "shaken",
+        CarryMode::OnTable => "on a table",
+        _ => "other",
+    };
+    walk.carrying.iter().map(|&(from_s, mode)| (from_s, name(mode).to_owned())).collect()
 }
 
 fn score_systems(
@@ -160,5 +196,6 @@ fn test_walk(recorded: Recorded) -> Option<TestWalk> {
         .map(|truth| TruthPoint { kind: PointKind::Truth, time: truth.time, point: truth.position })
         .collect();
     let start = Waypoint { time: first.time, point: first.position };
-    Some(TestWalk { samples: recorded.samples, start, truth })
+    let line = Truth::continuous(recorded.truth.iter().map(|truth| (truth.time, truth.position)));
+    Some(TestWalk { samples: recorded.samples, start, truth, line })
 }

@@ -1,5 +1,6 @@
 //! `fieldwalk evaluate`: systems compared on recordings with known places.
 
+mod played;
 mod recipe_file;
 mod walker;
 
@@ -15,6 +16,7 @@ use crate::error_table::error_table;
 use crate::evaluation::{Evaluation, FloorScores, PointKind, Row};
 use crate::floors::{Floor, FoundFloor, Layout, find_floors};
 use crate::progress;
+use crate::report::page;
 use crate::stop::{Stop, note};
 use crate::walker_evaluation;
 
@@ -57,6 +59,11 @@ fn score_systems(arguments: &EvaluateArguments, layout: Layout, out: &mut impl W
         }
     } else {
         print_tables(&rows, scores.len() > 1, out)?;
+    }
+    if let Some(file) = &arguments.page.report {
+        let n_walks = arguments.page.walks as usize;
+        page::write(&played::report(&evaluation, &scores, &rows, n_walks)?, file)?;
+        note("note", &format!("{} plays the worst walks: open it in a browser", file.display()));
     }
     if n_failed > 0 {
         note(

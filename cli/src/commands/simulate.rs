@@ -5,17 +5,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use fieldwalk_formats::{FormatError, write_plan};
-use fieldwalk_sim::scenario::{Scenario, Walk};
+use fieldwalk_sim::scenario::{Floor, Scenario, Walk};
 use rayon::prelude::*;
 
-use crate::arguments::{SimulateArguments, scenario};
+use crate::arguments::SimulateArguments;
 use crate::floors::PLAN_FILE;
 use crate::progress;
-use crate::simulated::{write_recording, write_truth};
+use crate::simulated::{floor_name, write_recording, write_truth};
 use crate::stop::Stop;
-
-/// The floor's name.
-const FLOOR: &str = "F1";
 
 /// Simulates the scenario and writes its plan, its walks and their truth.
 pub fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result<(), Stop> {
@@ -25,34 +22,50 @@ pub fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result<(), St
         }
         return Ok(());
     };
-    let scenario = scenario(name, arguments.seed)
+    let scenario = Scenario::named(name, arguments.seed)
         .ok_or_else(|| Stop::Usage(format!("no scenario is called `{name}`: see --list")))?;
-    let survey = scenario.survey_walks();
-    let mut test = scenario.test_walks(arguments.walks, f64::from(arguments.length));
-    for walk in &mut test {
-        walk.carrying = vec![(0.0, arguments.carry)];
-    }
-    let places = [(dir.join("survey"), survey), (dir.join("test"), test)];
+    let places = places(&scenario, arguments, dir);
     for (place, walks) in &places {
         make_folder(place, walks)?;
     }
-    let plan = dir.join(PLAN_FILE);
-    fs::write(&plan, write_plan(&scenario.building.plan))
-        .map_err(|error| FormatError::io("write the plan", &plan, error))?;
+    for floor in scenario.floors() {
+        let plan = floor_folder(&scenario, &floor, dir).join(PLAN_FILE);
+        fs::write(&plan, write_plan(&floor.building.plan))
+            .map_err(|error| FormatError::io("write the plan", &plan, error))?;
+    }
     for (place, walks) in &places {
         write_walks(&scenario, walks, place)?;
     }
-    let [(_, survey), (_, test)] = &places;
+    let n_test = places.last().map_or(0, |(_, test)| test.len());
+    let n_survey = places.iter().map(|(_, walks)| walks.len()).sum::<usize>() - n_test;
     let dir = dir.display();
     writeln!(
         out,
         "{dir}: {name} of seed {}, {} walks to survey and {} to test with; next:\n  fieldwalk survey {dir} --out {dir}.map\n  \
          fieldwalk replay {dir}.map {dir}/test/*.mcap",
-        arguments.seed,
-        survey.len(),
-        test.len()
+        arguments.seed, n_survey, n_test
     )?;
     Ok(())
+}
+
+/// The folder of a floor: the scenario's, where there is but one.
+fn floor_folder(scenario: &Scenario, floor: &Floor<'_>, dir: &Path) -> PathBuf {
+    if scenario.upstairs.is_empty() { dir.into() } else { dir.join(floor_name(floor.ordinal)) }
+}
+
+/// The folders with the walks that go into each: those of the floors' surveys, then the test walks.
+fn places(scenario: &Scenario, arguments: &SimulateArguments, dir: &Path) -> Vec<(PathBuf, Vec<Walk>)> {
+    let survey = scenario.survey_walks();
+    let surveys = scenario.floors().map(|floor| {
+        let starts_here = |walk: &&Walk| walk.heights_m.first().is_none_or(|&m| m == floor.height_m);
+        let walks = survey.iter().filter(starts_here).cloned().collect();
+        (floor_folder(scenario, &floor, dir).join("survey"), walks)
+    });
+    let mut test = scenario.test_walks(arguments.walks, f64::from(arguments.length));
+    for walk in &mut test {
+        walk.carrying = vec![(0.0, arguments.carry)];
+    }
+    surveys.chain([(dir.join("test"), test)]).collect()
 }
 
 /// Makes the folder `dir`; one with other files than those of `walks` is refused, for they would count as walks.
@@ -75,7 +88,7 @@ fn write_walks(scenario: &Scenario, walks: &[Walk], dir: &Path) -> Result<(), Fo
     let bar = progress::bar("walks", walks.len());
     let written = walks.par_iter().try_for_each(|walk| {
         let recorded = scenario.simulate(walk);
-        write_recording(&recorded, FLOOR, &recording_file(dir, walk))?;
+        write_recording(&recorded, &recording_file(dir, walk))?;
         write_truth(&recorded, &truth_file(dir, walk))?;
         bar.inc(1);
         Ok(())

@@ -32,10 +32,21 @@ pub struct Evaluation {
 /// The scores of a floor's test walks.
 #[derive(Debug, Default)]
 pub struct FloorScores {
-    /// Per test walk, per recipe, per seed.
-    walks: Vec<Vec<Vec<WalkScore>>>,
+    /// The test walks.
+    pub walks: Vec<ScoredWalk>,
     /// The test walks without two waypoints: nothing to score.
     pub without_waypoints: Vec<PathBuf>,
+}
+
+/// A test walk with its scores.
+#[derive(Debug)]
+pub struct ScoredWalk {
+    /// Its file.
+    pub path: PathBuf,
+    /// The map that has not seen it.
+    pub floor: Arc<FloorIndex>,
+    /// Per recipe, per seed.
+    pub scores: Vec<Vec<WalkScore>>,
 }
 
 impl Evaluation {
@@ -113,11 +124,12 @@ impl Evaluation {
         index: &Arc<FloorIndex>,
         floor: &Floor,
         path: &Path,
-    ) -> Result<Option<Vec<Vec<WalkScore>>>, FormatError> {
+    ) -> Result<Option<ScoredWalk>, FormatError> {
         let Some(walk) = TestWalk::read(path, floor.plan.georeference)? else { return Ok(None) };
         let with_seeds =
             |recipe| self.seeds.iter().map(|&seed| score(index, recipe, self.start, seed, &walk)).collect();
-        Ok(Some(self.recipes.iter().map(with_seeds).collect()))
+        let scores = self.recipes.iter().map(with_seeds).collect();
+        Ok(Some(ScoredWalk { path: path.into(), floor: Arc::clone(index), scores }))
     }
 
     /// The ways in which the floor's walks are divided, one map each.
@@ -137,12 +149,12 @@ impl Evaluation {
     /// The rows of the floors `scores`, pooled, under the name `floor`.
     pub fn rows(&self, dataset: &str, floor: &str, scores: &[&FloorScores]) -> Vec<Row> {
         let start = self.start.to_string();
-        let walks: Vec<&Vec<Vec<WalkScore>>> = scores.iter().flat_map(|floor| &floor.walks).collect();
+        let walks: Vec<&ScoredWalk> = scores.iter().flat_map(|floor| &floor.walks).collect();
         let rows_of = |(k, recipe): (usize, &Recipe)| {
             let system = &recipe.name;
             let (n_walks, seeds) = (walks.len(), self.seeds.len());
             let group = RowGroup { dataset, floor, system, start: &start, n_walks, seeds };
-            group.rows(&walks.iter().flat_map(|walk| &walk[k]).collect::<Vec<_>>())
+            group.rows(&walks.iter().flat_map(|walk| &walk.scores[k]).collect::<Vec<_>>())
         };
         self.recipes.iter().enumerate().flat_map(rows_of).collect()
     }
@@ -157,7 +169,7 @@ impl FloorScores {
     /// Number of test walks whose start lay off the plan with some system or seed.
     pub fn n_starts_refused(&self) -> usize {
         let is_refused =
-            |walk: &&Vec<Vec<WalkScore>>| walk.iter().flatten().any(|score| score.is_start_refused);
+            |walk: &&ScoredWalk| walk.scores.iter().flatten().any(|score| score.is_start_refused);
         self.walks.iter().filter(is_refused).count()
     }
 }

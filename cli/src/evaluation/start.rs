@@ -15,6 +15,16 @@ pub enum Start {
     Cold,
 }
 
+impl Start {
+    /// For people.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Known { radius_m } => format!("start known to ± {radius_m} m"),
+            Self::Cold => "start unknown".into(),
+        }
+    }
+}
+
 impl fmt::Display for Start {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -19,6 +19,7 @@ use fieldwalk_formats::recording::Record;
 use rand::RngExt;
 
 use crate::evaluation::{PointKind, Start};
+use crate::report::{Truth, Walk, WalkRecorder};
 use crate::walks::ReadWalk;
 
 /// A place and time at which the truth is known.
@@ -41,6 +42,8 @@ pub struct TestWalk {
     pub start: Waypoint,
     /// What is scored, in order of time.
     pub truth: Vec<TruthPoint>,
+    /// The truth at all times for which it is known.
+    pub line: Truth,
 }
 
 /// The scores of one walk.
@@ -68,18 +71,51 @@ impl TestWalk {
         })?;
         let Some(track) = SurveyTrack::of(&read.walk) else { return Ok(None) };
         let start = track.waypoints()[0];
-        let mut truth = Vec::new();
-        for pair in track.waypoints().windows(2) {
-            let middle = pair[0].time.midpoint(pair[1].time);
-            if let Some(point) = track.position(middle) {
-                truth.push(TruthPoint { kind: PointKind::Midpoint, time: middle, point });
-            }
-            truth.push(TruthPoint { kind: PointKind::Waypoint, time: pair[1].time, point: pair[1].point });
-        }
+        let truth = truth_points(&track);
         // The reader has ordered them but for the odd record that came very late: scoring stops at instants.
         samples.sort_by_key(|sample| sample.time);
-        Ok(Some(Self { samples, start, truth }))
+        let line = Truth::of_track(&track);
+        Ok(Some(Self { samples, start, truth, line }))
     }
+}
+
+/// The points to score on a walk laid out along its waypoints: all but the first, and midway between them.
+pub fn truth_points(track: &SurveyTrack) -> Vec<TruthPoint> {
+    let mut truth = Vec::new();
+    for pair in track.waypoints().windows(2) {
+        let middle = pair[0].time.midpoint(pair[1].time);
+        if let Some(point) = track.position(middle) {
+            truth.push(TruthPoint { kind: PointKind::Midpoint, time: middle, point });
+        }
+        truth.push(TruthPoint { kind: PointKind::Waypoint, time: pair[1].time, point: pair[1].point });
+    }
+    truth
+}
+
+/// Runs `recipes` over `walk` once more and keeps what a page shows of them, under the name `name`.
+pub fn record(
+    floor: &Arc<FloorIndex>,
+    recipes: &[Recipe],
+    start: Start,
+    seed: u64,
+    walk: &TestWalk,
+    name: &str,
+) -> Walk {
+    let mut recorder = WalkRecorder::new(floor, recipes, seed);
+    if let Some(hint) = hint(start, seed, floor.map().ordinal, walk.start) {
+        // A start off the plan is refused; the walk is then played as it was scored, without.
+        let _ = recorder.hint(hint);
+    }
+    let mut samples = walk.samples.iter().peekable();
+    let began = walk.samples.first().map_or(walk.start.time, |sample| sample.time);
+    for truth in &walk.truth {
+        while let Some(sample) = samples.next_if(|sample| sample.time <= truth.time) {
+            recorder.push(sample);
+        }
+        recorder.pass(truth);
+    }
+    samples.for_each(|sample| recorder.push(sample));
+    Walk::new(name, seed, began, &recorder.finish(), &walk.line)
 }
 
 /// Runs `recipe` over `walk` and scores it at every truth point, with what came before that and no more.

@@ -17,8 +17,11 @@ pub fn dash(series: usize) -> &'static str {
 }
 
 /// Text, axes and grid on a light ground.
+///
+/// Every rule names a class of ours: a page that holds the picture within itself keeps its own style.
 pub const SHEET: &str = "\
-text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif;fill:#24292f}\
+.fw-title,.fw-label,.fw-small{\
+font-family:system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif;fill:#24292f}\
 .fw-title{font-size:15px;font-weight:600}\
 .fw-label{font-size:12px}\
 .fw-small{font-size:11px;fill:#57606a}\
@@ -33,7 +36,7 @@ text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-se
 /// What a dark ground changes, where the reader prefers that.
 pub const DARK: &str = "\
 @media (prefers-color-scheme:dark){\
-text{fill:#e6edf3}\
+.fw-title,.fw-label{fill:#e6edf3}\
 .fw-small{fill:#9ea7b3}\
 .fw-ground{fill:#0d1117}\
 .fw-grid{stroke:#30363d}\
@@ -42,4 +45,22 @@ text{fill:#e6edf3}\
 /// The sheet of charts, which follow the reader's setting.
 pub fn chart_sheet() -> String {
     format!("{SHEET}{DARK}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::floor;
+
+    #[test]
+    fn no_rule_reaches_beyond_our_classes() {
+        let sheet =
+            format!("{}{}", chart_sheet(), floor::SHEET).replace("@media (prefers-color-scheme:dark){", "");
+        let rules: Vec<&str> =
+            sheet.split('}').filter_map(|rule| rule.split_once('{')).map(|(names, _)| names).collect();
+        assert!(rules.len() > 15, "{rules:?}");
+        for name in rules.iter().flat_map(|names| names.split(',')) {
+            assert!(name.starts_with(".fw-"), "{name} in {sheet}");
+        }
+    }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment, wrap_rad};
 use crate::map::{FloorMap, GridFrame, Layers};
-use crate::survey::kriging::{Kriging, KrigingParams, KrigingScratch, Reading};
+use crate::survey::kriging::{Kriging, KrigingParams, Reading};
 use crate::survey::radio::Heard;
 use crate::survey::{SurveyTrack, SurveyWalk};
 
@@ -52,7 +52,19 @@ pub enum SurveyError {
     NoField,
     /// The plan's width or height is not a positive number of metres, or is beyond 10 km.
     BadPlan,
+    /// The map would have more than [`MAX_NODES`] nodes.
+    TooManyNodes {
+        /// The plan's width, in metres.
+        width_m: u32,
+        /// The plan's height, in metres.
+        height_m: u32,
+    },
 }
+
+/// The most nodes that a floor's map may have: at the default of half a metre, a little over one square kilometre.
+///
+/// The eight layers of such a map take 134 MB.
+pub const MAX_NODES: usize = 4_200_000;
 
 impl core::fmt::Display for SurveyError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -65,6 +77,11 @@ impl core::fmt::Display for SurveyError {
                 write!(f, "no walk holds magnetometer readings: survey with a device that has one")
             }
             Self::BadPlan => write!(f, "the plan has no extent in metres: give its width and height"),
+            Self::TooManyNodes { width_m, height_m } => write!(
+                f,
+                "the plan of {width_m} m by {height_m} m needs a map of more than {MAX_NODES} nodes: check its units, \
+                 divide it, or choose larger cells"
+            ),
         }
     }
 }
@@ -91,7 +108,7 @@ pub(super) struct Deviation {
 /// Builds a floor's map from its plan and the walks that surveyed it.
 ///
 /// # Errors
-/// [`SurveyError`] when the plan has no extent, no walk can be laid out, or none has a magnetometer.
+/// [`SurveyError`] when the plan has no extent or is too large, no walk can be laid out, or none has a magnetometer.
 pub fn build_floor(
     name: &str,
     ordinal: i32,
@@ -102,6 +119,12 @@ pub fn build_floor(
     let is_extent = |m: f64| m > 0.0 && m <= 10_000.0;
     if !is_extent(plan.width_m) || !is_extent(plan.height_m) {
         return Err(SurveyError::BadPlan);
+    }
+    let n_nodes = (plan.width_m / params.cell_m + 1.0) * (plan.height_m / params.cell_m + 1.0);
+    // Not a number where the cell's size is none.
+    if !(n_nodes > 0.0 && n_nodes <= MAX_NODES as f64) {
+        let (width_m, height_m) = (plan.width_m as u32, plan.height_m as u32);
+        return Err(SurveyError::TooManyNodes { width_m, height_m });
     }
     let surveyed = Surveyed::of(walks);
     if surveyed.tracks.is_empty() {
@@ -121,7 +144,7 @@ pub fn build_floor(
         layers: Layers::default(),
     };
     grid_routes(&mut map, params);
-    grid_field(&mut map, surveyed.readings, params, |_| true);
+    grid_field(&mut map, surveyed.readings, params, 0..frame.len());
     let deviations = DeviationSums::of(&frame, &surveyed.deviations, params);
     map.layers.compass_deviation_rad = (0..frame.len()).map(|node| deviations.smoothed_rad(node)).collect();
     Ok(map)
@@ -163,18 +186,17 @@ impl Surveyed {
     }
 }
 
-/// Grids the field at the nodes that `is_wanted`: the floor's mean where no route is near; what was there elsewhere.
+/// Grids the field at `nodes`: the floor's mean where no route is near. Elsewhere it leaves what was there.
 pub(super) fn grid_field(
     map: &mut FloorMap,
     readings: Vec<Reading<4>>,
     params: &SurveyParams,
-    is_wanted: impl Fn(Point2) -> bool,
+    nodes: impl IntoIterator<Item = usize>,
 ) {
     let frame = map.frame;
     let kriging = Kriging::new(params.kriging, readings);
-    let mut scratch = KrigingScratch::default();
-    let nowhere = Point2::new(-1e6, -1e6);
-    let (mean_ut, sill_ut2) = kriging.predict(nowhere, &mut scratch);
+    let mut predictor = kriging.predictor();
+    let (mean_ut, sill_ut2) = predictor.predict(Point2::new(-1e6, -1e6));
     let layers = &mut map.layers;
     let means = [mean_ut[0], mean_ut[1], mean_ut[2], sill_ut2, mean_ut[3]];
     let targets = [
@@ -189,14 +211,10 @@ pub(super) fn grid_field(
             *layer = vec![mean as f32; frame.len()];
         }
     }
-    for node in 0..frame.len() {
+    for node in nodes {
         let place = frame.node(node % frame.nx, node / frame.nx);
-        if !is_wanted(place) {
-            continue;
-        }
         let is_near = f64::from(layers.route_distance_m[node]) <= params.field_reach_m;
-        let (values_ut, variance_ut2) =
-            if is_near { kriging.predict(place, &mut scratch) } else { (mean_ut, sill_ut2) };
+        let (values_ut, variance_ut2) = if is_near { predictor.predict(place) } else { (mean_ut, sill_ut2) };
         layers.field_x_ut[node] = values_ut[0] as f32;
         layers.field_y_ut[node] = values_ut[1] as f32;
         layers.field_z_ut[node] = values_ut[2] as f32;

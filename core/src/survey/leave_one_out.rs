@@ -11,14 +11,13 @@ use crate::positioner::fix::{Inputs, assemble};
 use crate::random::{Purpose, draw, uniform};
 use crate::sensor::{RadioSighting, TransmitterId};
 use crate::survey::build::{DeviationSums, Surveyed, grid_field, grid_routes};
+use crate::survey::kriging::Kriging;
 use crate::survey::radio::Heard;
 use crate::survey::{SurveyParams, SurveyTrack, SurveyWalk};
 use crate::system::Recipe;
 use crate::time::Timestamp;
 use crate::tracker::Tracker;
 
-/// A left-out walk's surroundings are gridded anew up to this distance from it, in metres.
-const REGRID_M: f64 = 10.0;
 /// How far off the start of a left-out walk is taken to be known along each axis, in metres.
 const START_RADIUS_M: f64 = 2.0;
 
@@ -30,6 +29,8 @@ pub struct LeaveOneOut<'a> {
     surveyed: Surveyed,
     heard: Heard,
     deviations: DeviationSums,
+    /// Per walk, the nodes at which the map's field rests on its readings.
+    field_nodes: Vec<Vec<usize>>,
 }
 
 impl core::fmt::Debug for LeaveOneOut<'_> {
@@ -47,7 +48,8 @@ impl<'a> LeaveOneOut<'a> {
         let surveyed = Surveyed::of(walks);
         let heard = Heard::of(walks, &surveyed.tracks);
         let deviations = DeviationSums::of(&map.frame, &surveyed.deviations, params);
-        Self { map, walks, params: *params, surveyed, heard, deviations }
+        let field_nodes = field_nodes(map, &surveyed, walks.len(), params);
+        Self { map, walks, params: *params, surveyed, heard, deviations, field_nodes }
     }
 
     /// Positions walk `left_out` on the map of all others and scores it at its waypoints but the first.
@@ -64,7 +66,7 @@ impl<'a> LeaveOneOut<'a> {
         if self.surveyed.readings.iter().all(|reading| reading.walk == left_out) {
             return Vec::new();
         }
-        let mut map = self.map_without(left_out, track);
+        let mut map = self.map_without(left_out);
         let waypoints = track.waypoints();
         let first = walk.completions.iter().filter(|known| known.time <= waypoints[0].time).count();
         let radio = self.radio(left_out, walk, recipe, &mut map.transmitters);
@@ -104,14 +106,13 @@ impl<'a> LeaveOneOut<'a> {
     }
 
     /// The map of all walks but one, without transmitters.
-    fn map_without(&self, left_out: u32, track: &SurveyTrack) -> FloorMap {
+    fn map_without(&self, left_out: u32) -> FloorMap {
         let mut map = FloorMap { transmitters: Vec::new(), ..self.map.clone() };
         map.routes = self.surveyed.routes(Some(left_out));
         grid_routes(&mut map, &self.params);
         let others = self.surveyed.readings.iter().filter(|reading| reading.walk != left_out);
-        grid_field(&mut map, others.copied().collect(), &self.params, |place| {
-            track.steps().iter().any(|step| step.position.distance_m(place) < REGRID_M)
-        });
+        let nodes = self.field_nodes.get(left_out as usize).into_iter().flatten();
+        grid_field(&mut map, others.copied().collect(), &self.params, nodes.copied());
         let own = self.surveyed.deviations.iter().filter(|deviation| deviation.walk == left_out);
         let mut deviations = self.deviations.clone();
         for node in deviations.take_out(&DeviationSums::of(&map.frame, own, &self.params)) {
@@ -154,6 +155,29 @@ impl<'a> LeaveOneOut<'a> {
         });
         observations.collect()
     }
+}
+
+/// Per walk, the nodes at which `map`'s field rests on its readings.
+fn field_nodes(
+    map: &FloorMap,
+    surveyed: &Surveyed,
+    n_walks: usize,
+    params: &SurveyParams,
+) -> Vec<Vec<usize>> {
+    let kriging = Kriging::new(params.kriging, surveyed.readings.clone());
+    let mut predictor = kriging.predictor();
+    let mut nodes_of = vec![Vec::new(); n_walks];
+    for (node, &route_m) in map.layers.route_distance_m.iter().enumerate() {
+        if f64::from(route_m) > params.field_reach_m {
+            continue;
+        }
+        for walk in predictor.walks_used(map.frame.node(node % map.frame.nx, node / map.frame.nx)) {
+            if let Some(nodes) = nodes_of.get_mut(walk as usize).filter(|nodes| nodes.last() != Some(&node)) {
+                nodes.push(node);
+            }
+        }
+    }
+    nodes_of
 }
 
 /// The mean power of each transmitter, the strongest first.

@@ -63,13 +63,14 @@ fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {
     let stride = sightings.len().div_ceil(MAX_SIGHTINGS);
     let used: Vec<_> = sightings.iter().copied().step_by(stride).collect();
     let strongest = sightings.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let mut best = model_at(strongest.0, &used);
+    let mut losses = Vec::with_capacity(used.len());
+    let mut best = model_at(strongest.0, &used, &mut losses);
     for (reach_m, step_m) in SEARCH_M {
         let centre = best.position;
         let n = (reach_m / step_m) as i32;
         for (i, j) in (-n..=n).flat_map(|i| (-n..=n).map(move |j| (i, j))) {
             let place = centre + Point2::new(f64::from(i) * step_m, f64::from(j) * step_m);
-            let candidate = model_at(place, &used);
+            let candidate = model_at(place, &used, &mut losses);
             if candidate.cost < best.cost {
                 best = candidate;
             }
@@ -94,18 +95,18 @@ struct Model {
 }
 
 /// The least-squares path loss for a transmitter at `position`, its exponent drawn to the prior and kept in [1.2, 5].
-fn model_at(position: Point2, sightings: &[(Point2, f64)]) -> Model {
+///
+/// What stands in `losses` does not matter: it is memory.
+fn model_at(position: Point2, sightings: &[(Point2, f64)], losses: &mut Vec<f64>) -> Model {
     let n = sightings.len() as f64;
     let loss = |p: Point2| -10.0 * libm::log10(p.distance_m(position).max(1.0));
-    let (mut sum_l, mut sum_r) = (0.0, 0.0);
-    for &(p, rssi_dbm) in sightings {
-        sum_l += loss(p);
-        sum_r += rssi_dbm;
-    }
-    let (mean_l, mean_r) = (sum_l / n, sum_r / n);
+    losses.clear();
+    losses.extend(sightings.iter().map(|&(p, _)| loss(p)));
+    let mean_l = losses.iter().sum::<f64>() / n;
+    let mean_r = sightings.iter().map(|&(_, rssi_dbm)| rssi_dbm).sum::<f64>() / n;
     let (mut ll, mut lr, mut rr) = (0.0, 0.0, 0.0);
-    for &(p, rssi_dbm) in sightings {
-        let (l, r) = (loss(p) - mean_l, rssi_dbm - mean_r);
+    for (&(_, rssi_dbm), loss) in sightings.iter().zip(losses.iter()) {
+        let (l, r) = (loss - mean_l, rssi_dbm - mean_r);
         ll += l * l;
         lr += l * r;
         rr += r * r;

@@ -24,6 +24,8 @@ pub enum LineFault {
     TooLong,
     /// The line's type is unknown.
     UnknownType,
+    /// A reading that means something only together with another, which is not there.
+    Unpaired,
 }
 
 /// Counts of the lines that gave no record although they should have.
@@ -37,7 +39,7 @@ pub struct LineRejections {
 
 impl LineFault {
     /// Every fault, in the order of the enumeration.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::FieldCount,
         Self::Time,
         Self::Number,
@@ -47,6 +49,7 @@ impl LineFault {
         Self::NotUtf8,
         Self::TooLong,
         Self::UnknownType,
+        Self::Unpaired,
     ];
 }
 
@@ -84,6 +87,7 @@ impl fmt::Display for LineFault {
             Self::NotUtf8 => "not UTF-8",
             Self::TooLong => "line too long",
             Self::UnknownType => "unknown type",
+            Self::Unpaired => "reading without its partner",
         })
     }
 }

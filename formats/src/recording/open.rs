@@ -10,6 +10,7 @@ use super::{Losses, Record, RecordingInfo, RecordingReader};
 use crate::error::FormatError;
 use crate::get_sensor_data::{GetSensorDataReader, is_get_sensor_data};
 use crate::ilc::{LineRejections, TraceReader};
+use crate::sensor_logger::{SensorLoggerReader, is_export, is_json};
 
 /// A log of any format: a stream of records, and what there is to know about it.
 pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
@@ -37,7 +38,7 @@ pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
 }
 
 /// Opens the log at `path`, whichever format it is in: an MCAP recording, a text trace of the
-/// indoor-location-competition-20 collection, or a GetSensorData log.
+/// indoor-location-competition-20 collection, a GetSensorData log, or an export of Sensor Logger, JSON or a folder of CSV.
 ///
 /// Records come in the file's order, which is that of arrival: see [`InOrder`](super::InOrder).
 ///
@@ -66,6 +67,17 @@ pub fn open_recording_on(
     georeference: Option<Georeference>,
 ) -> Result<Box<dyn RecordSource + Send>, FormatError> {
     let failed = |error| FormatError::io("open the recording", path, error);
+    if path.is_dir() {
+        if !is_export(path) {
+            let message = "a folder that is no export of Sensor Logger";
+            return Err(FormatError::malformed(
+                message,
+                "give a recording, or a folder with the app's CSV files",
+            )
+            .at_path(path));
+        }
+        return Ok(Box::new(SensorLoggerReader::open(path)?));
+    }
     let file = File::open(path).map_err(failed)?;
     let mut reader = BufReader::with_capacity(64 * 1024, file);
     let head = reader.fill_buf().map_err(failed)?;
@@ -73,6 +85,13 @@ pub fn open_recording_on(
         return Err(FormatError::malformed("an empty file", "give a recording").at_path(path));
     }
     let n_compared = head.len().min(mcap::MAGIC.len());
+    if head.starts_with(b"PK") {
+        let message = "a zip archive";
+        return Err(FormatError::malformed(message, "unpack it, and give the folder").at_path(path));
+    }
+    if is_json(head) {
+        return Ok(Box::new(SensorLoggerReader::open(path)?));
+    }
     Ok(if head[..n_compared] == mcap::MAGIC[..n_compared] {
         Box::new(RecordingReader::new(reader, path))
     } else if is_get_sensor_data(head) {

@@ -122,7 +122,7 @@ impl Building {
             span_m: 8.4,
             ceiling_m: 4.5,
             halls: Vec::new(),
-            lifts: vec![[0, 0], [1, 1]],
+            lifts: vec![[0, 0], [1, 0], [0, 1], [1, 1]],
             stairs: None,
             has_outer_rooms: true,
         }

@@ -57,6 +57,13 @@ impl Default for MovableParams {
     }
 }
 
+impl MovableParams {
+    /// A place full of people: trolleys, prams and cages of goods pass all the time, stands are moved over night.
+    pub fn busy() -> Self {
+        Self { furniture_per_m2: 0.08, trolleys_per_minute: 1.5, ..Self::default() }
+    }
+}
+
 /// The field of a building during one walk: what stays, what stood so on that day, and what moved.
 #[derive(Clone, Debug)]
 pub struct FieldOfDay<'a> {

@@ -3,7 +3,7 @@
 //! Steel is magnetised by the Earth's field, and keeps a magnetisation of its own from making and lifting. A long piece
 //! of cross-section A in which the flux density is B shows poles of A·B/4π at its ends.
 
-use fieldwalk::geometry::Point2;
+use fieldwalk::geometry::{Point2, Segment};
 
 use crate::building::Building;
 use crate::magnetic_field::{EarthField, Source};
@@ -63,7 +63,7 @@ impl Default for SteelParams {
 
 impl SteelParams {
     /// A frame of reinforced concrete: the steel of a column is a few thin bars that close on themselves through their
-    /// ties, beams are slabs, shop fronts are of aluminium and glass.
+    /// ties, beams are slabs; shop fronts have shutters that run in rails of steel.
     ///
     /// # Source
     /// Ours: about 1.5 % of a concrete section of 0.5 m² is steel, 0.0075 m², against the 0.02 m² of a steel column.
@@ -75,7 +75,7 @@ impl SteelParams {
             beam_ut_m2: 8.0,
             bars_per_m2: 0.25,
             reinforcement_ut_m2: 5.0,
-            door_ut_m2: 1.0,
+            door_ut_m2: 8.0,
             cabinets_per_m: 0.12,
             cabinet_ut_m2: 8.0,
             lift_ut_m2: 40.0,
@@ -87,6 +87,8 @@ impl SteelParams {
 const SLAB_M: f64 = -0.12;
 const BEAM_M: f64 = -0.35;
 const DOOR_TOP_M: f64 = 2.05;
+/// Slabs are open so far to either side of a flight's middle, in metres.
+const STAIRS_OPENING_M: f64 = 0.7;
 
 /// The steel of `building` as `seed` has it.
 pub fn steel(building: &Building, earth: &EarthField, params: &SteelParams, seed: u64) -> Vec<Source> {
@@ -107,6 +109,9 @@ pub fn steel(building: &Building, earth: &EarthField, params: &SteelParams, seed
             let along = (b - a) * (1.0 / a.distance_m(b).max(1e-9));
             let along_ut = along.x_m * earth_x_ut + along.y_m * earth_y_ut;
             for height_m in [BEAM_M, ceiling_m + 0.3] {
+                if spans_stairs(building, a, b) {
+                    continue;
+                }
                 // Cut short of the column: the poles of beams meet there, but do not coincide.
                 let (from, to) = (a.lerp(b, 0.04), a.lerp(b, 0.96));
                 let pole_ut_m2 = params.beam_m2 * along_ut + noise.normal(params.beam_ut_m2);
@@ -122,6 +127,9 @@ pub fn steel(building: &Building, earth: &EarthField, params: &SteelParams, seed
             let to =
                 from + if noise.chance(0.5) { Point2::new(along_m, 0.0) } else { Point2::new(0.0, along_m) };
             let pole_ut_m2 = noise.normal(params.reinforcement_ut_m2);
+            if spans_stairs(building, from, to) {
+                continue;
+            }
             sources.push(bar(level(to, SLAB_M), level(from, SLAB_M), pole_ut_m2));
         }
     });
@@ -143,6 +151,18 @@ pub fn steel(building: &Building, earth: &EarthField, params: &SteelParams, seed
         }
     });
     sources
+}
+
+/// Whether a piece from `a` to `b` would bridge the opening above a flight of stairs.
+fn spans_stairs(building: &Building, a: Point2, b: Point2) -> bool {
+    let Some(stairs) = &building.stairs else { return false };
+    let flights =
+        stairs.line.windows(2).zip(stairs.climbed.windows(2)).filter(|(_, climbed)| climbed[0] != climbed[1]);
+    let lines: Vec<Segment> = flights.map(|(line, _)| Segment { a: line[0], b: line[1] }).collect();
+    (0..=40).any(|k| {
+        let p = a.lerp(b, f64::from(k) / 40.0);
+        lines.iter().any(|line| line.distance_m(p) < STAIRS_OPENING_M)
+    })
 }
 
 /// Cabinets stand in the rooms, back to the corridor's wall.

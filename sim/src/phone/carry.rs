@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use crate::noise::{Noise, SmoothNoise};
 use crate::phone::hold::Hold;
 use crate::vector::{Quaternion, Vector3, about, add, compose, rotate};
-use crate::walker::Body;
+use crate::walker::{Body, JOLT_HZ};
 
 const RIGHT: Vector3 = [1.0, 0.0, 0.0];
 const AHEAD: Vector3 = [0.0, 1.0, 0.0];
@@ -103,7 +103,10 @@ impl Grip {
     pub(super) fn pose(&self, mode: CarryMode, body: &Body, time_s: f64) -> (Vector3, Quaternion) {
         let (step_rad, stride_rad) = (TAU * body.step_phase, PI * body.step_phase);
         let lively = body.vigour * self.liveliness;
-        let swing = |phase: usize| lively * libm::sin(stride_rad + self.phase_rad[phase]);
+        // The right leg is farthest back when the left heel strikes, at even numbers, and farthest ahead half a stride on.
+        let swing = |phase: usize| -lively * libm::cos(stride_rad + 0.4 * self.phase_rad[phase]);
+        // Legs are thrown ahead and set down: the thigh's swing is no pure tone.
+        let thrown = lively * libm::sin(2.0 * stride_rad + self.phase_rad[2]);
         let height_m = self.height_m;
         let (place, attitude) = match mode {
             CarryMode::HeldLevel => ([0.0, 0.32, 0.64 * height_m], about(RIGHT, 0.25)),
@@ -117,33 +120,33 @@ impl Grip {
             CarryMode::Shaken => return self.shaken(body, time_s),
             CarryMode::BackPocket => {
                 // The seat turns with the pelvis and is pushed by the thigh.
-                let pelvis = compose(about(UP, -0.16 * swing(2)), about(RIGHT, 0.12 * swing(0)));
+                let pelvis = compose(about(UP, 0.2 * swing(2)), about(RIGHT, 0.2 * swing(0) + 0.07 * thrown));
                 let seat = compose(about(UP, 2.5), about(RIGHT, 1.3));
-                (
-                    add([0.09, -0.1, 0.52 * height_m], rotate(pelvis, [0.0, -0.05, -0.04])),
-                    compose(pelvis, seat),
-                )
+                (add([0.09, -0.1, 0.52 * height_m], rotate(pelvis, [0.0, -0.1, -0.1])), compose(pelvis, seat))
             }
             CarryMode::FrontPocket => {
-                let thigh = about(RIGHT, 0.42 * swing(0));
+                let thigh = about(RIGHT, 0.4 * swing(0) + 0.11 * thrown);
                 let hip = [0.11, 0.04, 0.53 * height_m];
-                (add(hip, rotate(thigh, [0.0, 0.07, -0.16])), compose(thigh, about(RIGHT, -FRAC_PI_2 - 0.1)))
+                (add(hip, rotate(thigh, [0.0, 0.08, -0.2])), compose(thigh, about(RIGHT, -FRAC_PI_2 - 0.1)))
             }
             CarryMode::AtEar => {
                 let upright = compose(about(UP, -FRAC_PI_2), about(RIGHT, FRAC_PI_2));
-                ([0.1, 0.03, 0.93 * height_m], compose(about(RIGHT, 0.6), upright))
+                ([0.1, 0.03, 0.93 * height_m], compose(about(RIGHT, 0.7), upright))
             }
             CarryMode::SwingingHand => {
                 // Hands hang a little ahead, and swing against the leg of their side.
-                let arm = about(RIGHT, 0.25 - 0.45 * swing(0));
+                let arm = about(RIGHT, 0.2 - 0.5 * swing(0));
                 let shoulder = [0.22, 0.0, 0.82 * height_m];
-                let in_hand = compose(about(RIGHT, -0.6), about(AHEAD, -FRAC_PI_2));
+                let in_hand = compose(about(RIGHT, -0.4), about(AHEAD, -FRAC_PI_2));
                 (add(shoulder, rotate(arm, [0.0, 0.05, -0.4 * height_m])), compose(arm, in_hand))
             }
             CarryMode::OnTable => return ([0.3, 0.5, 0.75], about(UP, self.table_turn_rad)),
         };
+        // An ear nods with every step, and the hand with it.
+        let sway = if mode == CarryMode::AtEar { 2.0 } else { 1.0 };
         let sway =
-            [0.035 * lively * libm::sin(step_rad + self.phase_rad[1]), 0.04 * swing(1), 0.06 * swing(2)];
+            [0.035 * lively * libm::sin(step_rad + self.phase_rad[1]), 0.04 * swing(1), 0.06 * swing(2)]
+                .map(|turn_rad| sway * turn_rad);
         let turn = [0, 1, 2].map(|c| self.turn_rad[c] + self.waver[c].at(time_s) + sway[c]);
         let held = compose(about(UP, turn[2]), compose(about(AHEAD, turn[1]), about(RIGHT, turn[0])));
         (place, compose(held, attitude))
@@ -165,15 +168,16 @@ impl Grip {
         if mode.is_held() { self.hold.bounced_m(body) } else { body.bounced_m() }
     }
 
-    /// How much of a heel strike's jolt, which rings at `frequency_hz`, reaches the phone.
-    pub(super) fn jolt_share(&self, mode: CarryMode, frequency_hz: f64) -> f64 {
+    /// How much of a heel strike's jolt reaches the phone. In a right pocket the right foot is felt most.
+    pub(super) fn jolt_share(&self, mode: CarryMode, body: &Body) -> f64 {
+        let own_leg = |near: f64, far: f64| if body.is_right_down { near } else { far };
         match mode {
             CarryMode::SwingingHand => 0.5,
-            CarryMode::FrontPocket => 1.5,
-            CarryMode::BackPocket => 1.2,
+            CarryMode::FrontPocket => own_leg(2.0, 0.8),
+            CarryMode::BackPocket => own_leg(1.8, 1.0),
             CarryMode::AtEar => 0.6,
             CarryMode::OnTable => 0.0,
-            _ => self.hold.response(frequency_hz).0,
+            _ => self.hold.response(JOLT_HZ).0,
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::vector::{
     Quaternion, Vector3, about, add, between, compose, inverse, rotate, rotate_back, rotation_vector, scale,
     subtract,
 };
-use crate::walker::{Body, Gait, JOLT_HZ, Wave};
+use crate::walker::{Body, Gait, Wave};
 
 /// How long it takes to carry the phone otherwise, in seconds.
 const CHANGE_S: f64 = 1.5;
@@ -89,11 +89,11 @@ impl Carried {
             _ => (*body, time_s),
         };
         let still =
-            Body { vigour: 0.0, offset_m: [0.0; 3], bounce: [Wave::default(); 3], jolt_m: 0.0, ..body };
+            Body { vigour: 0.0, offset_m: [0.0; 3], bounce: [Wave::default(); 3], jolt_m: [0.0; 3], ..body };
         let body = if mode == CarryMode::OnTable { still } else { body };
         let (place_m, body_from_device) = self.grip.pose(mode, &body, time_s);
-        let jolt_m = self.grip.jolt_share(mode, JOLT_HZ) * body.jolt_m;
-        let jolt = [0.0, 0.0, self.grip.bounced_m(mode, &body) + jolt_m];
+        let jolt = scale(body.jolt_m, self.grip.jolt_share(mode, &body));
+        let jolt = add(jolt, [0.0, 0.0, self.grip.bounced_m(mode, &body)]);
         let floor_from_body: Quaternion = about([0.0, 0.0, 1.0], -body.heading_rad);
         let offset: Vector3 = add(add(place_m, body.offset_m), jolt);
         let trunk = [body.position.x_m, body.position.y_m, body.height_m];

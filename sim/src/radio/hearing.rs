@@ -11,7 +11,8 @@ use crate::radio::{RadioScene, Transmitter};
 /// A phone's radio, and the body that carries it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadioModel {
-    /// Standard deviation of fading from packet to packet, in dB; default 2.5 (three advertising channels fade apart).
+    /// Standard deviation of fading from packet to packet, in dB; default 2.8 (three advertising channels fade apart;
+    /// measured at fixed places in the Position-Annotated BLE RSSI Dataset).
     pub fading_db: f64,
     /// Loss through the body when it stands between, in dB; default 7.
     ///
@@ -22,7 +23,7 @@ pub struct RadioModel {
     pub gain_sd_db: f64,
     /// A packet of this power is received every other time, in dBm; default −94.
     pub sensitivity_dbm: f64,
-    /// Share of strong packets that is lost all the same; default 0.15.
+    /// Share of strong packets that is lost all the same; default 0.11, as in that data set.
     pub loss: f64,
     /// A beacon adds up to this to its interval, in seconds; default 0.01 (Bluetooth's advDelay).
     pub delay_s: f64,
@@ -35,11 +36,11 @@ pub struct RadioModel {
 impl Default for RadioModel {
     fn default() -> Self {
         Self {
-            fading_db: 2.5,
+            fading_db: 2.8,
             body_db: 7.0,
             gain_sd_db: 2.0,
             sensitivity_dbm: -94.0,
-            loss: 0.15,
+            loss: 0.11,
             delay_s: 0.01,
             scan_every_s: 4.0,
             scan_s: 2.0,
@@ -169,13 +170,13 @@ mod tests {
             rssi_dbm(&model.listen(&standing(heading_rad), &scene, Timestamp::default(), 1, 1), false)
         };
         let (facing, turned) = (listen(0.0), listen(std::f64::consts::PI));
-        // 121 s, a packet in 0.305 s, 85 % heard; −60 − 20·log10(10) less a little.
-        assert!((310..365).contains(&facing.len()), "{}", facing.len());
+        // 121 s, a packet in 0.305 s, 89 % heard; −60 − 20·log10(10) less a little.
+        assert!((330..375).contains(&facing.len()), "{}", facing.len());
         assert!((mean(&facing) + 80.0).abs() < 1.0, "{}", mean(&facing));
         assert!((mean(&facing) - mean(&turned) - 7.0).abs() < 1.0);
         let sd = mean(&facing.iter().map(|r| (r - mean(&facing)) * (r - mean(&facing))).collect::<Vec<_>>())
             .sqrt();
-        assert!((2.0..3.2).contains(&sd), "{sd}");
+        assert!((2.3..3.5).contains(&sd), "{sd}");
     }
 
     #[test]

@@ -60,11 +60,13 @@ impl Walk {
 
     /// What the walker taps: the marks at the path's corners and, on long stretches, between them, each at about the
     /// moment of passing it. The walker cuts corners and strays; the marks do not.
-    pub(super) fn waypoints(&self, gait: &Gait, standing_s: f64) -> Vec<Waypoint> {
+    pub(super) fn waypoints(&self, gait: &Gait, standing_s: f64, tap_sd_m: f64) -> Vec<Waypoint> {
         let mut noise = Noise::new(self.seed, "taps", 0);
+        let mut misses = Noise::new(self.seed, "taps", 1);
         let mut waypoints: Vec<Waypoint> = Vec::new();
         let mut tap = |time_s: f64, point: Point2| {
             let time = ORIGIN + Duration::from_secs_f64(time_s);
+            let point = point + Point2::new(misses.normal(tap_sd_m), misses.normal(tap_sd_m));
             if waypoints.last().is_none_or(|last| last.time < time) {
                 waypoints.push(Waypoint { time, point });
             }

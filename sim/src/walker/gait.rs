@@ -8,13 +8,30 @@ use crate::noise::{Noise, SmoothNoise, smooth_step};
 use crate::walker::spline::{Ends, Spline};
 use crate::walker::{Course, Pause, Step, WalkerProfile, pace};
 
-/// The jolt of a heel strike: how long it rings, in seconds, and at what frequency.
-const JOLT_S: f64 = 0.15;
-pub(crate) const JOLT_HZ: f64 = 10.0;
+/// The jolt of a heel strike as it reaches the trunk: how long it rings, in seconds, and at what frequency.
+///
+/// # Source
+/// Light, McLellan and Klenerman 1980, *Skeletal transients on heel strike in normal walking with different footwear*:
+/// some m/s² at the trunk. Length and frequency are those of the third to fifth harmonics of recorded walks
+/// (`docs/simulator/`).
+const JOLT_S: f64 = 0.25;
+pub(crate) const JOLT_HZ: f64 = 6.5;
+/// The jolt brakes, and pushes towards the other foot, by these shares of its upward part.
+const JOLT_BACK: f64 = 0.5;
+const JOLT_ASIDE: f64 = 0.3;
+/// No two steps meet the ground alike: standard deviation of a jolt's strength over its mean.
+const JOLT_SD: f64 = 0.35;
 /// Share of the body's rise in the second harmonic of the step, and in the stride's.
 const SECOND_HARMONIC: f64 = 0.06;
-/// Variation of speed within a step, over the mean speed.
-const SURGE: f64 = 0.08;
+/// Rise of the trunk once a stride, over that of a step: one leg is never as the other.
+const STRIDE_SHARE: f64 = 0.12;
+/// Variation of speed within a step, over the mean speed; and the third harmonic of the sway over the first.
+///
+/// # Source
+/// Menz, Lord and Fitzpatrick 2003, *Acceleration patterns of the head and pelvis when walking on level and irregular
+/// surfaces*: 1 to 1.6 m/s² rms along and across at the pelvis.
+const SURGE: f64 = 0.12;
+const SWAY_THIRD: f64 = 0.2;
 
 /// On stairs the body rises and falls by fits: its vertical speed varies by this share of its mean, and is greatest at
 /// this share of the step, upwards and downwards.
@@ -45,8 +62,10 @@ pub struct Body {
     pub offset_m: [f64; 3],
     /// The trunk's rise and fall within steps and strides: the parts of its upward offset by frequency.
     pub bounce: [Wave; 3],
-    /// Upward offset by the jolt of a heel strike, in metres.
-    pub jolt_m: f64,
+    /// Offset by the jolt of a heel strike (right, ahead, up), in metres.
+    pub jolt_m: [f64; 3],
+    /// Whether the right heel struck last.
+    pub is_right_down: bool,
 }
 
 /// A part of a periodic motion: `amplitude_m · cos(phase_rad)`.
@@ -93,8 +112,17 @@ struct Bout {
     /// Height of the floor at the feet, and the rise of each step.
     height_m: Spline,
     climb_m: Spline,
-    contacts_s: Vec<f64>,
+    contacts: Vec<Contact>,
     is_first_right: bool,
+}
+
+/// A heel strike.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    time_s: f64,
+    is_right: bool,
+    /// How hard, 1 on average.
+    strength: f64,
 }
 
 impl Gait {
@@ -103,9 +131,10 @@ impl Gait {
         let planned = pace::plan(walker, &course, pauses, standing_s, seed);
         let steps: Vec<Step> = planned.iter().flatten().copied().collect();
         let mut noise = Noise::new(seed, "gait", 0);
+        let mut jolts = Noise::new(seed, "jolts", 0);
         Self {
             walker: *walker,
-            bouts: planned.iter().filter_map(|steps| Bout::of(steps, &course)).collect(),
+            bouts: planned.iter().filter_map(|steps| Bout::of(steps, &course, &mut jolts)).collect(),
             course,
             end_s: steps.last().map_or(0.0, |step| step.end_s) + standing_s,
             steps,
@@ -166,9 +195,10 @@ impl Gait {
         let first_s = (time_s - bout.start_s) / (bout.full_s[0] - bout.start_s);
         let last_s = (bout.end_s - time_s) / (bout.end_s - bout.full_s[1]);
         let vigour = smooth_step(first_s) * smooth_step(last_s);
-        let jolt_m = self.jolt_m(bout, time_s);
+        let (jolt_m, is_right_down) = self.jolt_m(bout, time_s);
+        let still = Body { jolt_m, is_right_down, ..still };
         if vigour <= 0.0 {
-            return Body { jolt_m, ..still };
+            return still;
         }
         let step_phase = bout.phase.at(time_s) + if bout.is_first_right { 0.0 } else { 1.0 };
         let length_m = bout.length_m.at(time_s);
@@ -184,7 +214,7 @@ impl Gait {
         let bounce = [
             wave(-half_rise_m, step_rad - 0.3, 1.0),
             wave(SECOND_HARMONIC * half_rise_m, 2.0 * step_rad + 0.8, 2.0),
-            wave(2.0 * self.walker.asymmetry * half_rise_m, 0.5 * step_rad + 0.4, 0.5),
+            wave(STRIDE_SHARE * half_rise_m, 0.5 * step_rad + 0.4, 0.5),
         ];
         let climb_m = bout.climb_m.at(time_s);
         // Up, the body is lifted early in the step; down, it is let down late.
@@ -193,29 +223,35 @@ impl Gait {
         // Fastest when lowest.
         let ahead_m = SURGE * length_m / TAU * libm::sin(step_rad - 0.3);
         // Over the standing foot: to the left while the right foot swings.
-        let right_m = -self.walker.sway_m * libm::sin(0.5 * step_rad + self.sway_phase_rad);
+        let stride_rad = 0.5 * step_rad + self.sway_phase_rad;
+        let right_m =
+            -self.walker.sway_m * (libm::sin(stride_rad) + SWAY_THIRD * libm::sin(3.0 * stride_rad));
         let offset_m = [right_m, ahead_m, up_m].map(|c| vigour * c);
-        Body { step_phase, vigour, offset_m, bounce, jolt_m, ..still }
+        Body { step_phase, vigour, offset_m, bounce, ..still }
     }
 
-    /// A burst of 10 Hz after each contact, as strong as the step was long.
-    fn jolt_m(&self, bout: &Bout, time_s: f64) -> f64 {
-        let k = bout.contacts_s.partition_point(|&contact_s| contact_s <= time_s);
-        let Some(after_s) = k.checked_sub(1).map(|k| time_s - bout.contacts_s[k]) else { return 0.0 };
+    /// A burst after each contact, as strong as the step was long; and whether the right heel struck.
+    fn jolt_m(&self, bout: &Bout, time_s: f64) -> ([f64; 3], bool) {
+        let k = bout.contacts.partition_point(|contact| contact.time_s <= time_s);
+        let Some(contact) = k.checked_sub(1).map(|k| bout.contacts[k]) else { return ([0.0; 3], false) };
+        let after_s = time_s - contact.time_s;
         if after_s >= JOLT_S {
-            return 0.0;
+            return ([0.0; 3], contact.is_right);
         }
         let window = libm::sin(PI * after_s / JOLT_S);
         let radians_s = TAU * JOLT_HZ;
         let peak_m = self.walker.heel_strike_m_s2 / (radians_s * radians_s);
         let drop_m = (-bout.climb_m.at(time_s)).max(0.0);
         let strength = bout.length_m.at(time_s) / self.walker.step_length_m(1.2) + LANDING_DOWN * drop_m;
-        peak_m * strength * window * window * window * window * libm::cos(radians_s * (after_s - 0.04) + PI)
+        let ringing = window * window * window * window * libm::cos(radians_s * (after_s - 0.04) + PI);
+        let up_m = contact.strength * peak_m * strength * ringing;
+        let aside = if contact.is_right { -JOLT_ASIDE } else { JOLT_ASIDE };
+        ([aside * up_m, -JOLT_BACK * up_m, up_m], contact.is_right)
     }
 }
 
 impl Bout {
-    fn of(steps: &[Step], course: &Course) -> Option<Self> {
+    fn of(steps: &[Step], course: &Course, noise: &mut Noise) -> Option<Self> {
         let (first, last) = (steps.first()?, steps.last()?);
         let times_s: Vec<f64> = [first.start_s].into_iter().chain(steps.iter().map(|s| s.end_s)).collect();
         let places_m = [first.from_m].into_iter().chain(steps.iter().map(|s| s.from_m + s.length_m));
@@ -238,7 +274,14 @@ impl Bout {
                 Ends::Straight,
             ),
             length_m: Spline::new(middles_s, steps.iter().map(|s| s.length_m).collect(), Ends::Straight),
-            contacts_s: times_s[1..].to_vec(),
+            contacts: steps
+                .iter()
+                .map(|step| Contact {
+                    time_s: step.end_s,
+                    is_right: step.is_right,
+                    strength: noise.typical(1.0, JOLT_SD),
+                })
+                .collect(),
             is_first_right: first.is_right,
         })
     }
@@ -293,7 +336,8 @@ mod tests {
             let t = 5.0 + 0.013 * f64::from(k);
             let place = |t: f64| {
                 let body = gait.body(t);
-                [body.offset_m[0], body.offset_m[1], body.offset_m[2] + body.bounced_m() + body.jolt_m]
+                [0, 1, 2]
+                    .map(|c| body.offset_m[c] + body.jolt_m[c] + if c == 2 { body.bounced_m() } else { 0.0 })
             };
             let (a, b, c) = (place(t - h), place(t), place(t + h));
             for d in 0..3 {

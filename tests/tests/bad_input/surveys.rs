@@ -61,6 +61,24 @@ fn a_plan_without_an_extent_is_refused() {
 }
 
 #[test]
+fn a_map_that_would_fill_the_memory_is_refused() {
+    let walks = WORLD.floor.survey();
+    let of_size = |width_m: f64, height_m: f64, cell_m: f64| {
+        let plan = FloorPlan { width_m, height_m, ..WORLD.floor.plan().clone() };
+        build_floor("F1", 0, &plan, &walks, &SurveyParams { cell_m, ..SurveyParams::default() })
+    };
+    // At half a metre, 10 km by 10 km are 400 million nodes; at 50 m they are 40 thousand.
+    let error = of_size(10_000.0, 10_000.0, 0.5).unwrap_err();
+    assert_eq!(error, SurveyError::TooManyNodes { width_m: 10_000, height_m: 10_000 });
+    let said = error.to_string();
+    assert!(said.contains("10000 m by 10000 m") && said.contains("4200000 nodes"), "{said}");
+    assert!(of_size(10_000.0, 10_000.0, 50.0).is_ok());
+    for cell_m in [0.0, -0.5, 1e-300, f64::NAN] {
+        assert!(matches!(of_size(20.0, 20.0, cell_m), Err(SurveyError::TooManyNodes { .. })), "{cell_m}");
+    }
+}
+
+#[test]
 fn waypoints_that_make_no_sense_are_counted_and_change_nothing() {
     let clean = WORLD.walk.survey_walk("walk");
     let mut waypoints = Vec::new();

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use fieldwalk::Rejections;
 use fieldwalk::metrics::{ErrorSummary, ScoredFix};
-use fieldwalk::positioner::{Fix, Mode};
+use fieldwalk::positioner::Fix;
 use fieldwalk_formats::ilc::LineFault;
 use fieldwalk_formats::recording::Losses;
 use serde_json::{Map, Value, json};
@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 use crate::arguments::ReplayArguments;
 use crate::bits::FixBits;
 use crate::commands::replay::run::{Ending, PassedWaypoint, Sink};
+use crate::report::mode_name;
 use crate::stop::Stop;
 use crate::table::number;
 
@@ -234,15 +235,6 @@ fn fix_fields(time_s: f64, fix: &Fix) -> Value {
 /// Clockwise from +y, 0 to 360.
 fn heading_deg(fix: &Fix) -> f64 {
     fix.heading_rad.to_degrees().rem_euclid(360.0)
-}
-
-fn mode_name(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Started => "started",
-        Mode::ParticleFilter => "walking",
-        Mode::Stale => "stale",
-        _ => "other",
-    }
 }
 
 fn faults<'a>(ending: &Ending<'a>) -> impl Iterator<Item = (LineFault, u64)> + use<'a> {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use fieldwalk::Rejections;
 use fieldwalk::geometry::Point2;
-use fieldwalk::map::FloorIndex;
+use fieldwalk::map::{FloorIndex, FloorMap};
 use fieldwalk::positioner::{Fix, PositionError, PositionHint, Positioner};
 use fieldwalk::system::Recipe;
 use fieldwalk::time::Timestamp;
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::ilc::{LineRejections, floor_ordinal};
-use fieldwalk_formats::recording::{InOrder, Losses, Record, RecordSource, open_recording_on};
+use fieldwalk_formats::recording::{InOrder, Losses, Record, open_recording_on};
 
 use crate::arguments::ReplayStart;
 use crate::stop::Stop;
@@ -68,22 +68,33 @@ pub struct Ending<'a> {
     pub is_started: bool,
 }
 
-impl Replay {
-    /// Refuses a recording that says of itself that it was made on another floor than the map's.
-    ///
-    /// Floors of a building share one frame, so its fixes would look plausible and be wrong.
-    fn check_floor(&self, log: &dyn RecordSource, path: &Path) -> Result<(), Stop> {
-        let map = self.floor.map();
-        match log.floor_name() {
-            Some(name) if floor_ordinal(name) != map.ordinal => Err(Stop::Failed(format!(
-                "{}: recorded on floor {name}, but the map is of {} (choose that floor's map with --floor)",
-                path.display(),
-                map.name
-            ))),
-            _ => Ok(()),
-        }
+/// Refuses a recording that says of itself, with `floor_name`, that it was made on another floor than the map's.
+///
+/// Floors of a building share one frame, so its fixes would look plausible and be wrong.
+pub fn check_floor(map: &FloorMap, floor_name: Option<&str>, path: &Path) -> Result<(), Stop> {
+    match floor_name {
+        Some(name) if floor_ordinal(name) != map.ordinal => Err(Stop::Failed(format!(
+            "{}: recorded on floor {name}, but the map is of {} (choose that floor's map with --floor)",
+            path.display(),
+            map.name
+        ))),
+        _ => Ok(()),
     }
+}
 
+/// Says that a start is not on the plan.
+pub fn off_plan(map: &FloorMap, point: Point2, trace: &Path) -> Stop {
+    let Point2 { x_m, y_m } = point;
+    let message = format!(
+        "the start, {x_m:.1}, {y_m:.1}, is not on the plan of floor {}, {:.0} m by {:.0} m",
+        map.name, map.plan.width_m, map.plan.height_m
+    );
+    FormatError::malformed(message, "check --floor and --start, and that the map is of the same building")
+        .at_path(trace)
+        .into()
+}
+
+impl Replay {
     /// Runs the recording at `trace`, in order of time and never holding more than a part of it.
     pub fn run(&self, trace: &Path, sink: &mut impl Sink) -> Result<(), Stop> {
         let mut positioner = Positioner::new(Arc::clone(&self.floor), self.recipe.clone(), self.seed);
@@ -93,7 +104,7 @@ impl Replay {
         let (mut is_started, mut has_waypoint) = (false, false);
         while let Some(record) = log.next() {
             // A log may name its floor as late as at a waypoint.
-            self.check_floor(&**log.source(), trace)?;
+            check_floor(self.floor.map(), log.source().floor_name(), trace)?;
             let record = record?;
             let time = record.time();
             let first = *began.get_or_insert(time);
@@ -148,18 +159,6 @@ impl Replay {
     ) -> Result<(), Stop> {
         let map = self.floor.map();
         let hint = PositionHint { point, radius_m: self.start_radius_m, floor: map.ordinal, time };
-        positioner.hint(hint).map_err(|_| {
-            let Point2 { x_m, y_m } = point;
-            let message = format!(
-                "the start, {x_m:.1}, {y_m:.1}, is not on the plan of floor {}, {:.0} m by {:.0} m",
-                map.name, map.plan.width_m, map.plan.height_m
-            );
-            FormatError::malformed(
-                message,
-                "check --floor and --start, and that the map is of the same building",
-            )
-            .at_path(trace)
-            .into()
-        })
+        positioner.hint(hint).map_err(|_| off_plan(map, point, trace))
     }
 }

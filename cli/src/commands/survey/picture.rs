@@ -16,12 +16,15 @@ use crate::plot::svg::{Anchor, Px, Svg, points, text_width};
 
 /// The picture's margin, and the room above a panel's floor and below it.
 const MARGIN: f64 = 16.0;
-const ABOVE: f64 = 30.0;
-const BELOW: f64 = 62.0;
-/// A panel's width where two stand one above the other, as on a phone, and where they stand side by side.
-const STACKED_WIDTH: f64 = 620.0;
-const BESIDE_WIDTH: f64 = 420.0;
-const HEADER: f64 = 84.0;
+const ABOVE: f64 = 44.0;
+const BELOW: f64 = 79.0;
+/// The room for a panel's floor where two stand one above the other, and where they stand side by side: the picture is
+/// about as wide in both, so that its text can be read on a phone.
+const STACKED: (f64, f64) = (620.0, 620.0);
+const BESIDE: (f64, f64) = (320.0, 700.0);
+/// Room at the right end of a panel's legend, for the arrow to the north.
+const NORTH: f64 = 30.0;
+const HEADER: f64 = 70.0;
 
 /// Bounds of the field's standard deviation between classes, in µT: the prior is 5.7.
 const FIELD_UT: [f32; 3] = [2.0, 3.0, 4.0];
@@ -41,6 +44,8 @@ const ERROR_WIDTH_M: f64 = 3.0;
 const MIN_ERROR_WEIGHT: f64 = 0.3;
 /// An arrow is considered every so many metres of a line.
 const ARROW_EVERY_M: f64 = 6.0;
+/// No arrow stands nearer to another one than this, in the picture's units.
+const ARROWS_APART: f64 = 9.0;
 /// A line is walked both ways where another one leads back within this distance, in metres.
 const BACK_WITHIN_M: f64 = 2.5;
 
@@ -85,8 +90,9 @@ impl Picture<'_> {
         let map = self.floor.map();
         let plan = &map.plan;
         let is_stacked = plan.width_m >= 0.8 * plan.height_m || self.scores.is_empty();
-        let panel_width = if is_stacked { STACKED_WIDTH } else { BESIDE_WIDTH };
-        let fitted = |left: f64, top: f64| FloorFrame::fitted(plan, (left, top), (panel_width, 900.0));
+        let room = if is_stacked { STACKED } else { BESIDE };
+        let panel_width = room.0;
+        let fitted = |left: f64, top: f64| FloorFrame::fitted(plan, (left, top), room);
         let panel_height = ABOVE + fitted(0.0, 0.0).size().1 + BELOW;
         let n_panels = if self.scores.is_empty() { 1.0 } else { 2.0 };
         let (across, down) = if is_stacked { (1.0, n_panels) } else { (n_panels, 1.0) };
@@ -132,30 +138,33 @@ impl Picture<'_> {
 
     fn draw_coverage(&self, svg: &mut Svg, frame: &FloorFrame) {
         let map = self.floor.map();
-        self.begin_panel(svg, frame, "coverage", "Coverage: how well the field is known");
-        frame.draw_cells(svg, self.cell_m(0.5), &FIELD_COLOURS, |place| self.field_class(place));
+        self.begin_panel(svg, frame, "coverage", ["Coverage", "how well the field is known"]);
+        frame.draw_cells(svg, self.cell_m(), &FIELD_COLOURS, |place| self.field_class(place));
         frame.draw_plan(svg, &map.plan);
         for route in &map.routes {
             frame.draw_line(svg, "fw-walk", route);
         }
-        svg.element("path", &[("class", &"fw-arrow"), ("d", &one_way_arrows(&map.routes, frame))]);
+        let arrows = one_way_arrows(&map.routes, frame);
+        svg.element("path", &[("class", &"fw-arrow"), ("d", &arrows)]);
         let mut legend = Legend::below(frame);
         for (colour, text) in FIELD_COLOURS.iter().zip(class_names(&FIELD_UT, "µT")) {
             legend.swatch(svg, colour, &text);
         }
         legend.swatch(svg, FIELD_COLOURS[NOT_COVERED], "no line within 3 m");
-        let arrow = |x: f64, y: f64| format!("M{},{}l4,-5l4,5", Px(x + 2.0), Px(y - 2.0));
-        legend.entry(svg, "walked one way only", |svg, x, y| {
-            svg.element("path", &[("class", &"fw-arrow"), ("d", &arrow(x, y))]);
-        });
+        if !arrows.is_empty() {
+            let arrow = |x: f64, y: f64| format!("M{},{}l4,-5l4,5", Px(x + 7.0), Px(y - 2.0));
+            legend.entry(svg, "walked one way only", |svg, x, y| {
+                svg.element("path", &[("class", &"fw-arrow"), ("d", &arrow(x, y))]);
+            });
+        }
         svg.close();
     }
 
     fn draw_expected(&self, svg: &mut Svg, frame: &FloorFrame) {
         let map = self.floor.map();
-        self.begin_panel(svg, frame, "expected", "Expected error: each walk on the map of the others");
+        self.begin_panel(svg, frame, "expected", ["Expected error", "each walk on the map of the others"]);
         svg.open("g", &[("class", &"fw-expected")]);
-        frame.draw_cells(svg, self.cell_m(1.0), &ERROR_COLOURS, |place| self.error_class(place));
+        frame.draw_cells(svg, self.cell_m(), &ERROR_COLOURS, |place| self.error_class(place));
         svg.close();
         frame.draw_plan(svg, &map.plan);
         for route in &map.routes {
@@ -179,21 +188,22 @@ impl Picture<'_> {
         svg.close();
     }
 
-    fn begin_panel(&self, svg: &mut Svg, frame: &FloorFrame, id: &str, title: &str) {
+    fn begin_panel(&self, svg: &mut Svg, frame: &FloorFrame, id: &str, [title, subtitle]: [&str; 2]) {
         let plan = &self.floor.map().plan;
         let (left, top) = frame.at(Point2::new(0.0, plan.height_m));
-        let (width, height) = frame.size();
+        let (_, height) = frame.size();
         svg.open("g", &[("id", &id)]);
-        svg.text("fw-title", (left, top - 10.0), Anchor::Start, title);
+        svg.text("fw-title", (left, top - 26.0), Anchor::Start, title);
+        svg.text("fw-label", (left, top - 9.0), Anchor::Start, subtitle);
         frame.draw_ground(svg, plan);
         frame.draw_scale_bar(svg, (left + 2.0, top + height + 18.0));
-        frame.draw_north(svg, plan, (left + width - 10.0, top + height + 24.0));
+        frame.draw_north(svg, plan, (right_of(frame) - 10.0, top + height + 26.0));
     }
 
-    /// Cells of about `cell_m`, larger on large floors.
-    fn cell_m(&self, cell_m: f64) -> f64 {
+    /// Half a metre, so that narrow corridors are shaded; more on large floors.
+    fn cell_m(&self) -> f64 {
         let plan = &self.floor.map().plan;
-        cell_m.max(plan.width_m.max(plan.height_m) / 250.0)
+        0.5f64.max(plan.width_m.max(plan.height_m) / 250.0)
     }
 
     fn field_class(&self, Point2 { x_m, y_m }: Point2) -> Option<usize> {
@@ -244,7 +254,7 @@ struct Legend {
 impl Legend {
     fn below(frame: &FloorFrame) -> Self {
         let (left, top) = frame.at(Point2::default());
-        Self { left, right: left + frame.size().0.max(BESIDE_WIDTH), x: left, y: top + 38.0 }
+        Self { left, right: right_of(frame) - NORTH, x: left, y: top + 38.0 }
     }
 
     fn entry(&mut self, svg: &mut Svg, text: &str, mark: impl FnOnce(&mut Svg, f64, f64)) {
@@ -266,6 +276,11 @@ impl Legend {
     fn note(&mut self, svg: &mut Svg, text: &str) {
         svg.text("fw-small", (self.left, self.y + 17.0), Anchor::Start, text);
     }
+}
+
+/// Where a panel ends, which is wider than a narrow floor.
+fn right_of(frame: &FloorFrame) -> f64 {
+    frame.at(Point2::default()).0 + frame.size().0.max(BESIDE.0)
 }
 
 fn draw_score(svg: &mut Svg, class: usize, x: f64, y: f64) {
@@ -307,7 +322,7 @@ fn class_names<T: std::fmt::Display>(bounds: &[T], unit: &str) -> Vec<String> {
     [ends.0].into_iter().chain(between).chain([ends.1]).collect()
 }
 
-/// Arrow heads along the lines where no line leads back nearby.
+/// Arrow heads along the lines where no line leads back nearby; of those that would crowd the first.
 fn one_way_arrows(routes: &[Vec<Point2>], frame: &FloorFrame) -> String {
     let lines: Vec<Segment> = routes
         .iter()
@@ -315,17 +330,21 @@ fn one_way_arrows(routes: &[Vec<Point2>], frame: &FloorFrame) -> String {
         .filter(|line| line.a.is_finite() && line.b.is_finite() && line.a != line.b)
         .collect();
     let mut path = String::new();
+    let mut drawn: Vec<(f64, f64)> = Vec::new();
     for line in &lines {
         let along = line.b - line.a;
         let n = (along.norm_m() / ARROW_EVERY_M).clamp(1.0, 1_000.0) as usize;
         for k in 0..n {
             let place = line.a.lerp(line.b, (k as f64 + 0.5) / n as f64);
-            if !lines.iter().any(|other| leads_back(other, along, place)) {
+            let (x, y) = frame.at(place);
+            let is_crowded = drawn.iter().any(|at| (at.0 - x).hypot(at.1 - y) < ARROWS_APART);
+            if !is_crowded && !lines.iter().any(|other| leads_back(other, along, place)) {
                 let tip = along * (1.0 / along.norm_m());
-                let ((x, y), (dx, dy)) = (frame.at(place), (3.2 * tip.x_m, -3.2 * tip.y_m));
+                let (dx, dy) = (3.2 * tip.x_m, -3.2 * tip.y_m);
                 let left = (x - dx + 0.8 * dy, y - dy - 0.8 * dx);
                 let right = (x - dx - 0.8 * dy, y - dy + 0.8 * dx);
                 let _ = write!(path, "M{}", points([left, (x, y), right]));
+                drawn.push((x, y));
             }
         }
     }
@@ -414,9 +433,31 @@ mod tests {
         let frame = FloorFrame::fitted(&surveyed("F1", Vec::new()).map().plan, (0.0, 0.0), (200.0, 100.0));
         let heads = |routes: &[Vec<Point2>]| one_way_arrows(routes, &frame).matches('M').count();
         assert_eq!(heads(&[walk(1.0, 19.0)]), 3);
-        assert_eq!(heads(&[walk(1.0, 19.0), walk(1.0, 19.0)]), 6);
+        // Arrows of a second line in the same place would only crowd.
+        assert_eq!(heads(&[walk(1.0, 19.0), walk(1.0, 19.0)]), 3);
         assert_eq!(heads(&[walk(1.0, 19.0), walk(19.0, 1.0)]), 0);
         assert_eq!(heads(&[walk(f64::NAN, 19.0), walk(3.0, 3.0)]), 0);
+    }
+
+    #[test]
+    fn tall_floors_stand_side_by_side_and_narrow_corridors_are_shaded() {
+        let mut map = surveyed("F1", vec![walk(1.0, 19.0)]).map().clone();
+        (map.plan.width_m, map.plan.height_m) = (12.0, 40.0);
+        let svg = drawn(&FloorIndex::new(map), &[score(4.0, 0.5)]);
+        let document = Document::parse(&svg).unwrap();
+        let root = document.root_element();
+        let side = |name| root.attribute(name).unwrap().parse::<f64>().unwrap();
+        assert_eq!((side("width"), side("height")), (688.0, HEADER + ABOVE + BESIDE.1 + BELOW));
+        let tops: Vec<f64> = of_class(&document, "fw-title")
+            .skip(1)
+            .map(|title| title.attribute("y").unwrap().parse().unwrap())
+            .collect();
+        assert!(tops.len() == 2 && tops[0] == tops[1], "{tops:?}");
+        // Everything that is written ends inside the picture.
+        for text in document.descendants().filter(|node| node.has_tag_name("text")) {
+            let x: f64 = text.attribute("x").unwrap().parse().unwrap();
+            assert!(x + text_width(text.text().unwrap_or(""), 12.0) <= 688.0 + 8.0, "{:?}", text.text());
+        }
     }
 
     #[test]

@@ -1,0 +1,144 @@
+//! Places and fixes, mirrored.
+
+use fieldwalk::geometry;
+use fieldwalk::positioner;
+use fieldwalk::time::Timestamp;
+
+/// A point in the floor's frame: x to the right and y up on the plan, in metres.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct Point2 {
+    /// Metres to the right on the plan.
+    pub x_m: f64,
+    /// Metres up on the plan.
+    pub y_m: f64,
+}
+
+/// A place on the Earth.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct LatitudeLongitude {
+    /// Latitude in degrees, north positive.
+    pub latitude_deg: f64,
+    /// Longitude in degrees, east positive.
+    pub longitude_deg: f64,
+}
+
+/// Where someone is said to be: a tap on the plan, a QR code, GNSS at the door.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct PositionHint {
+    /// The place, in the floor's frame.
+    pub point: Point2,
+    /// How far off it may be along each axis, in metres; 0.1 to 1000.
+    pub radius_m: f64,
+    /// The floor's ordinal.
+    pub floor: i32,
+    /// When, on the clock of the samples, in nanoseconds.
+    pub time_ns: i64,
+}
+
+/// What a fix rests on; new cases may come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+#[non_exhaustive]
+pub enum FixMode {
+    /// A start is known, no step has been seen since.
+    Started,
+    /// The particle filter follows the steps.
+    ParticleFilter,
+    /// No sample for more than five seconds: the position is the last one known, its radius grows.
+    Stale,
+    /// Something that this boundary has no name for yet.
+    Other,
+}
+
+/// A position with its accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct Fix {
+    /// The instant that the fix speaks of, on the clock of the samples, in nanoseconds.
+    pub time_ns: i64,
+    /// The floor's ordinal.
+    pub floor: i32,
+    /// The position, in the floor's frame.
+    pub position: Point2,
+    /// Latitude and longitude, where the map is georeferenced.
+    pub latitude_longitude: Option<LatitudeLongitude>,
+    /// Walking direction, clockwise from the plan's y, in radians from -π to π.
+    pub heading_rad: f64,
+    /// Walking speed, in m/s; 0 when standing.
+    pub speed_m_s: f64,
+    /// Variance of x, in m².
+    pub covariance_xx_m2: f64,
+    /// Covariance of x and y, in m².
+    pub covariance_xy_m2: f64,
+    /// Variance of y, in m².
+    pub covariance_yy_m2: f64,
+    /// The truth is within this distance 68 times of 100, in metres.
+    pub radius_68_m: f64,
+    /// The truth is within this distance 95 times of 100, in metres.
+    pub radius_95_m: f64,
+    /// What the fix rests on.
+    pub mode: FixMode,
+}
+
+impl From<geometry::Point2> for Point2 {
+    fn from(point: geometry::Point2) -> Self {
+        let geometry::Point2 { x_m, y_m } = point;
+        Self { x_m, y_m }
+    }
+}
+
+impl From<Point2> for geometry::Point2 {
+    fn from(point: Point2) -> Self {
+        let Point2 { x_m, y_m } = point;
+        Self { x_m, y_m }
+    }
+}
+
+impl From<PositionHint> for positioner::PositionHint {
+    fn from(hint: PositionHint) -> Self {
+        let PositionHint { point, radius_m, floor, time_ns } = hint;
+        Self { point: point.into(), radius_m, floor, time: Timestamp::from_nanos(time_ns) }
+    }
+}
+
+impl From<positioner::Mode> for FixMode {
+    fn from(mode: positioner::Mode) -> Self {
+        match mode {
+            positioner::Mode::Started => Self::Started,
+            positioner::Mode::ParticleFilter => Self::ParticleFilter,
+            positioner::Mode::Stale => Self::Stale,
+            _ => Self::Other,
+        }
+    }
+}
+
+impl From<positioner::Fix> for Fix {
+    fn from(fix: positioner::Fix) -> Self {
+        // No `..`: a new field of the core is to fail here.
+        let positioner::Fix {
+            time,
+            floor,
+            position,
+            latitude_longitude_deg,
+            heading_rad,
+            speed_m_s,
+            covariance_m2: [[covariance_xx_m2, covariance_xy_m2], [_, covariance_yy_m2]],
+            radius_68_m,
+            radius_95_m,
+            mode,
+        } = fix;
+        Self {
+            time_ns: time.as_nanos(),
+            floor,
+            position: position.into(),
+            latitude_longitude: latitude_longitude_deg
+                .map(|(latitude_deg, longitude_deg)| LatitudeLongitude { latitude_deg, longitude_deg }),
+            heading_rad,
+            speed_m_s,
+            covariance_xx_m2,
+            covariance_xy_m2,
+            covariance_yy_m2,
+            radius_68_m,
+            radius_95_m,
+            mode: mode.into(),
+        }
+    }
+}

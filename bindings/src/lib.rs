@@ -1,0 +1,49 @@
+//! Fieldwalk for Kotlin, Swift and Python: maps, positioners and fixes over UniFFI.
+//!
+//! This crate mirrors the core's types and adds no algorithm. A mirror takes the core's type apart field by field, so
+//! that a new field of the core fails to compile here until somebody decides what becomes of it.
+//!
+//! # Threads
+//!
+//! Every object may be used from any thread. A call is synchronous, runs on the caller's thread and returns its
+//! result; nothing is called back, no thread is started. An object does one call at a time: a second one waits. Samples
+//! of one wearer should come from one thread, for two threads that push at once leave their order open. After a panic
+//! inside a call, later calls on the object give [`ApiError::Broken`].
+//!
+//! # Bits
+//!
+//! The same map, system, seed and samples give the same fixes to the bit, in every language and on every machine,
+//! however the samples are spread over batches.
+//!
+//! # Unsafe code
+//!
+//! There is none here, and the compiler refuses it; what crosses the boundary unsafely is inside `uniffi` and what its
+//! macros expand to.
+#![deny(missing_docs)]
+
+mod building_map;
+mod error;
+mod fix;
+mod positioner;
+mod snapshot;
+mod status;
+
+pub use building_map::{BuildingMap, FloorInfo};
+pub use error::ApiError;
+pub use fix::{Fix, FixMode, LatitudeLongitude, Point2, PositionHint};
+pub use positioner::{Positioner, PositionerOptions};
+pub use status::{BatchFaults, Rejections, Status};
+
+uniffi::setup_scaffolding!();
+
+/// The version of this library, such as `0.1.0`.
+#[uniffi::export]
+pub fn version() -> String {
+    env!("CARGO_PKG_VERSION").to_owned()
+}
+
+/// The names of all systems that a positioner can run, such as `fused`.
+#[uniffi::export]
+pub fn systems() -> Vec<String> {
+    fieldwalk::system::Recipe::NAMES.iter().map(|&name| name.to_owned()).collect()
+}
