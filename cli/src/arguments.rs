@@ -226,6 +226,8 @@ Examples:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
   fieldwalk evaluate --dataset oxford-steps oxford-steps --json
   fieldwalk evaluate --dataset tyrex tyrex-attitude --json
+  fieldwalk evaluate --dataset oxford-steps oxford-steps --plots miscounted
+  fieldwalk evaluate --dataset ilc site1 --lengths
 
 JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind of point.
   dataset, floor, system, start
@@ -239,10 +241,10 @@ JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind o
   step_us_median      time of a step on one thread, in microseconds
   seeds               number of seeds
 
-JSON for the others: one object a subset (\"all\": pooled), system and metric.
+JSON for the others, and with --lengths: one object a subset (\"all\": pooled), system and metric.
   dataset, subset, system, metric
   value               the metric's value, in the unit that its name ends in
-  n                   number of runs, strides or moments behind it
+  n                   number of runs, segments, strides or moments behind it
   oxford-steps        count_error_abs_percent, count_error_signed_percent: mean
                       over runs of the steps counted against the contacts of
                       the foot switches
@@ -258,6 +260,11 @@ JSON for the others: one object a subset (\"all\": pooled), system and metric.
                       right decisions. Systems: `printed`, the paper's table
                       stride by stride; `trained`, a table of one half of the
                       trials scored on the other, both ways; `shipped`; `file`
+  --lengths           segment_length_error_percent: mean over straight segments
+                      between waypoints, ten steps into a walk, of the length
+                      by the steps against the true one, for static 0.65 m,
+                      the fitted model, and that with the walker's scale learnt
+                      from the segments before
 A number that does not exist is null.
 
 See `fieldwalk --help` for the exit codes.")]
@@ -311,6 +318,13 @@ pub struct EvaluateArguments {
     /// For tyrex: another table of the attitude's feature events, as `fieldwalk train attitude` writes it.
     #[arg(long, value_name = "FILE.json")]
     pub table: Option<PathBuf>,
+    /// For ilc and recordings: score step lengths between waypoints instead of systems.
+    #[arg(long)]
+    pub lengths: bool,
+
+    /// For oxford-steps: which walks are pictured, by the error of their count in percent of the true steps, 0 to 100.
+    #[arg(long, value_name = "PERCENT", default_value_t = 2.0, requires = "plots", value_parser = values::percent)]
+    pub plot_errors_over: f64,
 
     /// Print one JSON object a line instead of tables.
     #[arg(long)]

@@ -5,6 +5,8 @@
 mod auc;
 pub mod oxford_steps;
 mod row;
+pub mod segments;
+pub mod step_strips;
 pub mod tyrex;
 
 pub use row::{ALL, Metric, MetricRow, MetricScores, Plot};

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use synthetic::{fail, fieldwalk, folder, succeed, text};
+use synthetic::{fail, fieldwalk, folder, succeed, text, write_floor};
 
 /// A walk of two steps a second at 100 Hz, with foot switches read at 10 Hz.
 fn write_run(dir: &Path, name: &str, seconds: usize) {
@@ -83,4 +83,41 @@ fn a_walk_without_truth_is_left_out_and_a_torn_one_fails() {
         1,
         &["no folder here holds a stepcounter.csv"],
     );
+}
+
+#[test]
+fn miscounted_walks_are_drawn() {
+    let dir = folder("evaluate_walker_plots");
+    write_run(&dir, "Phone_A_Hard_InHand_1", 60);
+    write_run(&dir, "Phone_A_Hard_InHand_2", 60);
+    // The switches of the second walk fail halfway.
+    let switches = dir.join("Phone_A_Hard_InHand_2/stepcounter.csv");
+    let rows = fs::read_to_string(&switches).unwrap();
+    let half: String = rows.lines().take(300).map(|row| format!("{row}\n")).collect();
+    fs::write(&switches, half).unwrap();
+    let plots = dir.join("plots");
+    succeed(&["evaluate", "--dataset", "oxford-steps", text(&dir), "--plots", text(&plots)]);
+    let drawn: Vec<_> = fs::read_dir(&plots).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(drawn, ["Phone_A_Hard_InHand_2.svg"]);
+    let picture = fs::read_to_string(plots.join("Phone_A_Hard_InHand_2.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.contains("contacts (+"), "{picture:.300}");
+    // A minute in strips of 20 s, each with its curve, and a tick for every contact and step.
+    assert_eq!(picture.matches("<polyline").count(), 3);
+    assert!(picture.matches("<line x1").count() > 150);
+}
+
+#[test]
+fn step_lengths_are_scored_between_waypoints() {
+    let floor = write_floor(&folder("evaluate_walker_lengths"), "F1", 6);
+    let json = succeed(&["evaluate", "--dataset", "ilc", "--lengths", "--json", text(&floor)]);
+    let rows: Vec<Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let systems: Vec<&str> = rows.iter().map(|row| row["system"].as_str().unwrap()).collect();
+    assert_eq!(systems, ["static", "fitted", "learnt", "static", "fitted", "learnt"]);
+    for row in &rows {
+        assert_eq!(row["metric"], "segment_length_error_percent");
+        assert!(row["n"].as_u64().unwrap() >= 6 && row["value"].as_f64().unwrap() < 40.0, "{row}");
+    }
+    let value = |k: usize| rows[k]["value"].as_f64().unwrap();
+    // All walk alike there: what is learnt on the first segment holds for the next.
+    assert!(value(5) < value(4) && rows[5]["subset"] == "all", "{} {}", value(5), value(4));
 }

@@ -51,11 +51,6 @@ pub fn collection(name: &str) -> Option<PathBuf> {
     find(name, &sought, |recordings, cache| find_archive(recordings, cache, name))
 }
 
-/// The folder of the Oxford step-counting collection: a folder a walk. See [`collection`].
-pub fn oxford_steps() -> Option<PathBuf> {
-    collection("oxford-steps")
-}
-
 fn find(
     wanted: &str,
     sought: &str,

@@ -90,6 +90,12 @@ pub fn radius_m(text: &str) -> Result<f64, String> {
     radius.ok_or_else(|| "expected metres from 0.1 to 1000".into())
 }
 
+/// A share in percent.
+pub fn percent(text: &str) -> Result<f64, String> {
+    let percent = text.parse().ok().filter(|percent| (0.0..=100.0).contains(percent));
+    percent.ok_or_else(|| "expected percent from 0 to 100".into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

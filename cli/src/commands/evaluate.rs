@@ -27,10 +27,15 @@ const ALL: &str = "all";
 /// Scores what the data set is for and prints the rows.
 pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
     match arguments.dataset {
+        None if arguments.lengths => walker::run_segments(arguments, Layout::of(&arguments.dirs), out),
+        Some(Dataset::Ilc) if arguments.lengths => walker::run_segments(arguments, Layout::Ilc, out),
+        Some(Dataset::Recordings) if arguments.lengths => {
+            walker::run_segments(arguments, Layout::Recordings, out)
+        }
         None => score_systems(arguments, Layout::of(&arguments.dirs), out),
         Some(Dataset::Ilc) => score_systems(arguments, Layout::Ilc, out),
         Some(Dataset::Recordings) => score_systems(arguments, Layout::Recordings, out),
-        Some(Dataset::OxfordSteps) => walker::run(walker_evaluation::oxford_steps::score, arguments, out),
+        Some(Dataset::OxfordSteps) => walker::run_oxford_steps(arguments, out),
         Some(Dataset::Tyrex) => {
             let table = arguments.table.as_deref().map(table_file::read).transpose()?;
             walker::run(|dirs| walker_evaluation::tyrex::score(dirs, table), arguments, out)

@@ -1,12 +1,17 @@
 //! Step detectors against foot switches, on the Oxford step-counting collection.
 //!
-//! The truth of a walk is the number of contacts, left and right. A detector hears the accelerometer alone; its steps
-//! are all that it reports from the first sample to the last. Errors are relative to a walk's truth, and a subset's
-//! value is the mean over its walks.
+//! The truth of a walk is the number of contacts, left and right, as they stand in the file: of two walks (with the arm
+//! band) a few are bounces or were missed. A detector hears the accelerometer alone; its steps are all that it reports
+//! from the first sample to the last. Errors are relative to a walk's truth, and a subset's value is the mean over its
+//! walks.
 
 use std::path::PathBuf;
 
+use fieldwalk::gravity::{LevelEstimator, LevelParams};
 use fieldwalk::pedestrian::{Pedestrian, PedestrianParams};
+use fieldwalk::sensor::Reading;
+use fieldwalk::step::{CardStepDetector, StepDetector, StepQueue, WilaStepDetector, WilaStepParams};
+use fieldwalk::time::Timestamp;
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::oxford_steps::{AccelerometerReader, ContactReader, Placement, RunFolder, find_runs};
 use rayon::prelude::*;
@@ -16,23 +21,40 @@ use super::{ALL, Metric, MetricRow, MetricScores};
 /// The name in rows.
 pub const DATASET: &str = "oxford-steps";
 
-/// The detectors, by their names in rows.
-const SYSTEMS: [&str; 1] = ["phone"];
+/// The detectors, by their names in rows; the first is the one that systems use.
+pub const SYSTEMS: [&str; 3] = ["phone", "card", "wila"];
 
 /// Fewer contacts than this are no truth: the switches of some walks were not connected.
 const MIN_CONTACTS: usize = 10;
 
-/// Steps counted and steps made in one walk.
+/// Steps found and steps made in one walk.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RunCounts {
+pub struct CountedRun {
     /// The walk.
-    pub name: String,
-    /// How the phone was carried.
-    pub placement: Placement,
-    /// Contacts of both feet.
-    pub n_true: usize,
-    /// Steps that each detector found, in the order of the detectors.
-    pub n_counted: [usize; SYSTEMS.len()],
+    pub run: RunFolder,
+    /// When a foot came down, either one.
+    pub contacts: Vec<Timestamp>,
+    /// When each detector found a step, in the order of [`SYSTEMS`].
+    pub steps: [Vec<Timestamp>; SYSTEMS.len()],
+}
+
+/// The walks of some folders, counted.
+#[derive(Debug, Default)]
+pub struct CountedRuns {
+    /// Those with truth, by name.
+    pub runs: Vec<CountedRun>,
+    /// Why others have none.
+    pub warnings: Vec<String>,
+    /// Files that should have been readable and were not.
+    pub errors: Vec<FormatError>,
+}
+
+impl CountedRun {
+    /// Error of the detector `system` (an index of [`SYSTEMS`]), in percent of the truth.
+    pub fn signed_error_percent(&self, system: usize) -> f64 {
+        let n_true = self.contacts.len() as f64;
+        100.0 * (self.steps[system].len() as f64 - n_true) / n_true
+    }
 }
 
 /// Scores the walks in `dirs`.
@@ -42,53 +64,99 @@ pub struct RunCounts {
 /// # Errors
 /// When a folder cannot be listed or holds no walk.
 pub fn score(dirs: &[PathBuf]) -> Result<MetricScores, FormatError> {
+    Ok(count(dirs)?.into_scores())
+}
+
+/// Counts the steps of the walks in `dirs`.
+///
+/// # Errors
+/// When a folder cannot be listed or holds no walk.
+pub fn count(dirs: &[PathBuf]) -> Result<CountedRuns, FormatError> {
     let mut runs = Vec::new();
     for dir in dirs {
         runs.extend(find_runs(dir)?);
     }
-    let counted: Vec<_> = runs.par_iter().map(counts).collect();
-    let mut scores = MetricScores::default();
-    let mut counts = Vec::new();
-    for outcome in counted {
+    let outcomes: Vec<_> = runs.into_par_iter().map(counted).collect();
+    let mut counted = CountedRuns::default();
+    for outcome in outcomes {
         match outcome {
-            Ok(Ok(run)) => counts.push(run),
-            Ok(Err(warning)) => scores.warnings.push(warning),
-            Err(error) => scores.errors.push(error),
+            Ok(Ok(run)) => counted.runs.push(run),
+            Ok(Err(warning)) => counted.warnings.push(warning),
+            Err(error) => counted.errors.push(error),
         }
     }
-    scores.rows = rows(&counts);
-    Ok(scores)
+    Ok(counted)
 }
 
-/// The counts of a walk, or why it has none.
-fn counts(run: &RunFolder) -> Result<Result<RunCounts, String>, FormatError> {
+impl CountedRuns {
+    /// The rows of each placement, then of all walks.
+    pub fn into_scores(self) -> MetricScores {
+        MetricScores {
+            rows: rows(&self.runs),
+            warnings: self.warnings,
+            errors: self.errors,
+            plots: Vec::new(),
+        }
+    }
+}
+
+/// The steps of a walk, or why it has no truth.
+fn counted(run: RunFolder) -> Result<Result<CountedRun, String>, FormatError> {
     if !run.accelerometer().is_file() {
         return Ok(Err(format!("{}: has no accelerometer.csv, so it is not scored", run.name)));
     }
-    let mut n_true = 0;
+    let mut contacts = Vec::new();
     for contact in ContactReader::open(&run.contacts())? {
-        contact?;
-        n_true += 1;
+        contacts.push(contact?.time);
     }
-    if n_true < MIN_CONTACTS {
-        return Ok(Err(format!(
-            "{}: its foot switches saw {n_true} contacts, so it is not scored",
-            run.name
-        )));
+    if contacts.len() < MIN_CONTACTS {
+        let n = contacts.len();
+        return Ok(Err(format!("{}: its foot switches saw {n} contacts, so it is not scored", run.name)));
     }
-    let mut pedestrian = Pedestrian::new(PedestrianParams::default());
-    let mut n_counted = [0; SYSTEMS.len()];
+    let mut phone = Pedestrian::new(PedestrianParams::default());
+    let mut level = LevelEstimator::new(LevelParams::default());
+    let mut card = Counter::new(CardStepDetector::default());
+    let mut wila = Counter::new(WilaStepDetector::new(WilaStepParams::default()));
+    let mut phone_steps = Vec::new();
     for sample in AccelerometerReader::open(&run.accelerometer())? {
-        n_counted[0] += usize::from(pedestrian.push(&sample?).is_some());
+        let sample = sample?;
+        phone_steps.extend(phone.push(&sample).map(|event| event.cycle.end));
+        if let Reading::SpecificForce(force) = sample.reading {
+            let level_force = level.push_specific_force(sample.time, force);
+            card.push(sample.time, level_force);
+            wila.push(sample.time, level_force);
+        }
     }
-    Ok(Ok(RunCounts { name: run.name.clone(), placement: run.placement, n_true, n_counted }))
+    Ok(Ok(CountedRun { run, contacts, steps: [phone_steps, card.steps, wila.steps] }))
 }
 
-/// The rows of each placement, then of all walks.
-fn rows(runs: &[RunCounts]) -> Vec<MetricRow> {
-    let subset = |name: &str, runs: &[&RunCounts]| -> Vec<MetricRow> {
+/// A detector and the times of the steps that it found.
+struct Counter<D> {
+    detector: D,
+    queue: StepQueue<()>,
+    steps: Vec<Timestamp>,
+}
+
+impl<D: StepDetector> Counter<D> {
+    fn new(detector: D) -> Self {
+        Self { detector, queue: StepQueue::new(), steps: Vec::new() }
+    }
+
+    fn push(&mut self, time: Timestamp, level_force_m_s2: [f32; 3]) {
+        if let Some(finding) = self.detector.push(time, level_force_m_s2) {
+            let period_s = finding.cycle.end.secs_since(finding.cycle.start);
+            self.queue.push(&finding, (), period_s);
+        }
+        while let Some((cycle, ())) = self.queue.pop() {
+            self.steps.push(cycle.end);
+        }
+    }
+}
+
+fn rows(runs: &[CountedRun]) -> Vec<MetricRow> {
+    let subset = |name: &str, runs: &[&CountedRun]| -> Vec<MetricRow> {
         let of_system = |(k, system): (usize, &&str)| {
-            let errors: Vec<f64> = runs.iter().map(|run| signed_error_percent(run, k)).collect();
+            let errors: Vec<f64> = runs.iter().map(|run| run.signed_error_percent(k)).collect();
             let row = |metric, sum: f64| MetricRow {
                 dataset: DATASET,
                 subset: name.into(),
@@ -105,44 +173,50 @@ fn rows(runs: &[RunCounts]) -> Vec<MetricRow> {
         if runs.is_empty() { Vec::new() } else { SYSTEMS.iter().enumerate().flat_map(of_system).collect() }
     };
     let of_placement = |placement: Placement| {
-        let of_it: Vec<&RunCounts> = runs.iter().filter(|run| run.placement == placement).collect();
+        let of_it: Vec<&CountedRun> = runs.iter().filter(|run| run.run.placement == placement).collect();
         subset(placement.name(), &of_it)
     };
-    let all: Vec<&RunCounts> = runs.iter().collect();
+    let all: Vec<&CountedRun> = runs.iter().collect();
     Placement::ALL.into_iter().flat_map(of_placement).chain(subset(ALL, &all)).collect()
-}
-
-fn signed_error_percent(run: &RunCounts, system: usize) -> f64 {
-    100.0 * (run.n_counted[system] as f64 - run.n_true as f64) / run.n_true as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn run(placement: Placement, n_true: usize, n_counted: usize) -> RunCounts {
-        RunCounts { name: "walk".into(), placement, n_true, n_counted: [n_counted] }
+    fn run(placement: Placement, n_true: usize, n_phone: usize, n_card: usize) -> CountedRun {
+        let times = |n: usize| vec![Timestamp::from_millis(0); n];
+        CountedRun {
+            run: RunFolder { name: "walk".into(), dir: PathBuf::new(), placement },
+            contacts: times(n_true),
+            steps: [times(n_phone), times(n_card), Vec::new()],
+        }
     }
 
     #[test]
     fn errors_are_means_over_walks() {
         let runs = [
-            run(Placement::Purse, 100, 110),
-            run(Placement::InHand, 200, 190),
-            run(Placement::InHand, 100, 101),
+            run(Placement::Purse, 100, 110, 100),
+            run(Placement::InHand, 200, 190, 100),
+            run(Placement::InHand, 100, 101, 150),
         ];
         let rows = rows(&runs);
-        let value = |subset: &str, metric| {
-            let row = rows.iter().find(|row| row.subset == subset && row.metric == metric);
-            row.map(|row| (row.value, row.n))
+        let value = |subset: &str, system: &str, metric| {
+            let is_it =
+                |row: &&MetricRow| row.subset == subset && row.metric == metric && row.system == system;
+            rows.iter().find(is_it).map(|row| (row.value, row.n))
         };
         use Metric::{CountErrorAbsPercent as Abs, CountErrorSignedPercent as Signed};
         // In hand: −5 % and 1 %; purse: 10 %.
-        assert_eq!((value("in_hand", Abs), value("in_hand", Signed)), (Some((3.0, 2)), Some((-2.0, 2))));
-        assert_eq!((value("purse", Abs), value("purse", Signed)), (Some((10.0, 1)), Some((10.0, 1))));
-        assert_eq!(value(ALL, Abs), Some((16.0 / 3.0, 3)));
-        assert_eq!(value(ALL, Signed), Some((2.0, 3)));
-        assert_eq!(rows.len(), 3 * 2);
-        assert!(rows[4].subset == ALL && super::rows(&[]).is_empty());
+        assert_eq!(value("in_hand", "phone", Abs), Some((3.0, 2)));
+        assert_eq!(value("in_hand", "phone", Signed), Some((-2.0, 2)));
+        assert_eq!(value("purse", "phone", Abs), Some((10.0, 1)));
+        assert_eq!(value(ALL, "phone", Abs), Some((16.0 / 3.0, 3)));
+        assert_eq!(value(ALL, "phone", Signed), Some((2.0, 3)));
+        // −50 % and 50 %.
+        assert_eq!(value("in_hand", "card", Abs), Some((50.0, 2)));
+        assert_eq!(value("in_hand", "card", Signed), Some((0.0, 2)));
+        assert_eq!(rows.len(), 3 * SYSTEMS.len() * 2);
+        assert!(rows.last().is_some_and(|row| row.subset == ALL) && super::rows(&[]).is_empty());
     }
 }

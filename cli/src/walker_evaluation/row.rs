@@ -14,6 +14,8 @@ pub enum Metric {
     CountErrorAbsPercent,
     /// Mean over walks of `100·(counted − true) / true` steps.
     CountErrorSignedPercent,
+    /// Mean over straight segments of `100·|modelled − true| / true` metres.
+    SegmentLengthErrorPercent,
     /// Area under the receiver's curve: upward, forward and horizontal against the rest.
     AucUfh,
     /// Area under the receiver's curve: not upward against upward.
@@ -38,6 +40,7 @@ impl Metric {
         match self {
             Self::CountErrorAbsPercent => "count_error_abs_percent",
             Self::CountErrorSignedPercent => "count_error_signed_percent",
+            Self::SegmentLengthErrorPercent => "segment_length_error_percent",
             Self::AucUfh => "auc_ufh",
             Self::AucNonUpward => "auc_non_upward",
             Self::AucUfhCaptured => "auc_ufh_captured",
@@ -98,6 +101,7 @@ mod tests {
         for metric in [
             Metric::CountErrorAbsPercent,
             Metric::CountErrorSignedPercent,
+            Metric::SegmentLengthErrorPercent,
             Metric::AucUfh,
             Metric::AucNonUpward,
             Metric::AucUfhCaptured,

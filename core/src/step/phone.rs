@@ -35,11 +35,11 @@ pub struct PhoneStepParams {
     /// Peaks farther apart than this, in seconds, are a limb's, one in two steps, where the next two are exceeded as
     /// well; default 0.8.
     pub stride_period_s: f64,
-    /// Amplitude that no step as slow as that has, in m/s²; default 4.
+    /// Least amplitude of such a peak, in m/s²; default 3.
     pub stride_amplitude_m_s2: f32,
     /// Horizontal acceleration (root mean square) that only a limb has, in m/s²; default 2.4.
     pub stride_swing_m_s2: f32,
-    /// Most of the horizontal over the vertical acceleration (root mean squares); default 4.
+    /// Most of the horizontal over the vertical acceleration (root mean squares); default 8 (a lazily swinging arm has 5).
     pub max_swing_ratio: f32,
     /// What makes a row of peaks a walk.
     pub rhythm: RhythmParams,
@@ -58,9 +58,9 @@ impl Default for PhoneStepParams {
             max_period_s: 1.4,
             first_period_s: 0.55,
             stride_period_s: 0.8,
-            stride_amplitude_m_s2: 4.0,
+            stride_amplitude_m_s2: 3.0,
             stride_swing_m_s2: 2.4,
-            max_swing_ratio: 4.0,
+            max_swing_ratio: 8.0,
             rhythm: RhythmParams::default(),
         }
     }
@@ -115,6 +115,8 @@ const STRONG_SHARE: f32 = 0.6;
 const MAX_FAST: u8 = 1;
 /// A silence longer than this, in seconds, is a gap in the recording.
 const MAX_SILENCE_S: f32 = 1.0;
+/// A stride lasts at least this many mean periods.
+const STRIDE_SHARE: f32 = 1.5;
 /// A peak sooner than this share of the mean period is early, and after half of it as early as can be.
 const EARLY_SHARE: f32 = 0.75;
 
@@ -169,8 +171,17 @@ impl PhoneStepDetector {
         let is_limb = swing.0 > params.stride_swing_m_s2 * params.stride_swing_m_s2;
         let is_stride = is_limb
             && amplitude > params.stride_amplitude_m_s2
-            && since_s.is_some_and(|s| s > params.stride_period_s);
+            && since_s.is_some_and(|s| self.is_two_steps(s));
         self.finding(peak, amplitude, since_s, is_stride)
+    }
+
+    /// Whether a gap this long is a stride: the steps before it were half as long, or were none but strides.
+    ///
+    /// The longer step of an uneven pair is neither.
+    fn is_two_steps(&self, gap_s: f64) -> bool {
+        let stride_s = self.params.stride_period_s as f32;
+        gap_s > self.params.stride_period_s
+            && (gap_s as f32 > STRIDE_SHARE * self.mean_period_s || self.mean_period_s > stride_s)
     }
 
     fn finding(

@@ -7,9 +7,38 @@ use std::path::{Path, PathBuf};
 use fieldwalk_formats::FormatError;
 
 use crate::arguments::EvaluateArguments;
+use crate::floors::Layout;
 use crate::stop::{Stop, note};
 use crate::table::{number, table};
+use crate::walker_evaluation::oxford_steps::{self, CountedRun};
+use crate::walker_evaluation::segments;
+use crate::walker_evaluation::step_strips::step_strips;
 use crate::walker_evaluation::{MetricRow, MetricScores, Plot};
+
+/// Scores step detectors, and pictures the walks that they miscounted if asked to.
+pub fn run_oxford_steps(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
+    let score = |dirs: &[PathBuf]| {
+        let counted = oxford_steps::count(dirs)?;
+        let plots = match &arguments.plots {
+            Some(_) => pictures(&counted.runs, arguments.plot_errors_over)?,
+            None => Vec::new(),
+        };
+        Ok(MetricScores { plots, ..counted.into_scores() })
+    };
+    run(score, arguments, out)
+}
+
+/// Scores step lengths between waypoints.
+pub fn run_segments(arguments: &EvaluateArguments, layout: Layout, out: &mut impl Write) -> Result<(), Stop> {
+    run(|dirs| segments::score(dirs, layout), arguments, out)
+}
+
+fn pictures(runs: &[CountedRun], least_percent: f64) -> Result<Vec<Plot>, FormatError> {
+    let miscounted = runs.iter().filter(|run| run.signed_error_percent(0).abs() > least_percent);
+    miscounted
+        .map(|run| Ok(Plot { file_name: format!("{}.svg", run.run.name), svg: step_strips(run)? }))
+        .collect()
+}
 
 /// Scores with `score` and prints its rows.
 pub fn run(
