@@ -117,16 +117,17 @@ fn a_truth_beside_the_recording_is_scored_once_a_second() {
     let (map, floor) = surveyed("report_truth");
     let (log, out) = (trace(&floor, 0), floor.join("truth.html"));
     let began_ms = 1_574_567_556_121_i64;
-    let lines: String = (0..=200).map(|k| format!("{},3,3,0\n", (began_ms + 100 * k) * 1_000_000)).collect();
+    let lines: String =
+        (0..=200).map(|k| format!("{},3,3,0,0\n", (began_ms + 100 * k) * 1_000_000)).collect();
     let truth = log.with_extension("truth.csv");
-    fs::write(&truth, format!("time_ns,x_m,y_m,heading_rad\n{lines}")).unwrap();
+    fs::write(&truth, format!("time_ns,x_m,y_m,heading_rad,floor\n{lines}")).unwrap();
     let arguments = ["report", text(&map), text(&log), "--systems", "fused", "--out", text(&out)];
     succeed(&arguments);
     let figures = figures(&out);
     assert_eq!(figures["walks"][0]["truth"]["kind"], "continuous");
     let rows = figures["rows"].as_array().unwrap();
     assert_eq!((rows.len(), &rows[0]["points"], &rows[0]["n_points"]), (1, &"truth".into(), &16.into()));
-    fs::write(&truth, "time_ns,x_m,y_m,heading_rad\n5,3,3\n4,3,3\n").unwrap();
+    fs::write(&truth, "time_ns,x_m,y_m,heading_rad,floor\n5,3,3,0,0\n4,3,3,0,0\n").unwrap();
     fail(&arguments, 1, &["walk-00.truth.csv:3: not a later time"]);
 }
 

@@ -122,7 +122,7 @@ pub fn build_floor(
     }
     let n_nodes = (plan.width_m / params.cell_m + 1.0) * (plan.height_m / params.cell_m + 1.0);
     // Not a number where the cell's size is none.
-    if !(n_nodes > 0.0 && n_nodes <= MAX_NODES as f64) {
+    if !(params.cell_m > 0.0 && n_nodes <= MAX_NODES as f64) {
         let (width_m, height_m) = (plan.width_m as u32, plan.height_m as u32);
         return Err(SurveyError::TooManyNodes { width_m, height_m });
     }

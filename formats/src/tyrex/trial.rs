@@ -330,7 +330,8 @@ mod tests {
         let times_ms: Vec<_> = read.samples.iter().map(|s| s.time.as_nanos() / 1_000_000).collect();
         assert_eq!((times_ms, read.n_rejected), (vec![0, 250, 1000], 1));
         // Raw fields: one before any corrected one, and two whose bias is told by the latest.
-        fs::write(folder.join("magnetometer.txt"), "102.6 9 9 9\n102.8 101 52 3\n103 102 50 3\n").unwrap();
+        fs::write(folder.join("magnetometer.txt"), "102.625 9 9 9\n102.875 101 52 3\n103 102 50 3\n")
+            .unwrap();
         let read = found.trials[0].samples().unwrap();
         let raw = |time_ms: i64, field_ut: [f32; 3], bias_ut: [f32; 3]| Sample {
             time: Timestamp::from_millis(time_ms),
@@ -341,7 +342,7 @@ mod tests {
         assert_eq!(
             paired,
             [
-                raw(300, [101.0, 52.0, 3.0], [100.0, 50.0, 0.0]),
+                raw(375, [101.0, 52.0, 3.0], [100.0, 50.0, 0.0]),
                 raw(500, [102.0, 50.0, 3.0], [101.0, 48.0, 0.0])
             ]
         );
