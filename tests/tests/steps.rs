@@ -324,11 +324,11 @@ fn straight(walker: &WalkerProfile, pace: f64, length_m: f64, seed: u64) -> Gait
     Gait::new(&walker, Course::new(&line), &[], 3.0, seed)
 }
 
-/// WILA 2016, Table 2: of 50 steps at most 3 are missed slowly, 1 at the usual pace, none fast. Here a tenth of the fast
-/// walkers may lose their last step, which is weak.
+/// WILA 2016, Table 2: of 50 steps at most 3 are missed slowly, 1 at the usual pace, none fast. The first shift of weight
+/// may count as one more.
 #[test]
 fn wila_table_2_steps_of_simulated_walks() {
-    for ((pace, factor), most_missed) in PACES.into_iter().zip([3i64, 1, 1]) {
+    for ((pace, factor), most_missed) in PACES.into_iter().zip([3i64, 1, 0]) {
         let missed: Vec<i64> = (1..=10)
             .map(|seed| {
                 let walker = WalkerProfile::drawn(seed);
@@ -339,7 +339,6 @@ fn wila_table_2_steps_of_simulated_walks() {
             .collect();
         println!("{pace}: missed {missed:?}");
         assert!(missed.iter().all(|&n| (-1..=most_missed).contains(&n)), "{pace}: missed {missed:?}");
-        assert!(pace != "fast" || missed.iter().filter(|&&n| n > 0).count() <= 1, "{missed:?}");
     }
 }
 

@@ -25,6 +25,11 @@ pub(super) enum Turn {
 }
 
 impl Extrema {
+    /// How far the signal has been below its last peak; 0 while it rises.
+    pub(super) fn fallen(&self) -> f32 {
+        if self.is_rising { 0.0 } else { self.trough - self.value }
+    }
+
     /// A signal that starts at `value`, as if from a trough.
     pub(super) fn new(time: Timestamp, value: f32) -> Self {
         Self { is_rising: true, time, value, trough: value }

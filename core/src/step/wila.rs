@@ -85,6 +85,10 @@ impl StepDetector for WilaStepDetector {
                 Some(Turn::Trough { depth, .. }) => {
                     step = peak.take().map(|peak| (peak, depth)).or(step);
                 }
+                // The last step of a walk fades out into standing: no rise shows its trough.
+                None if peak.is_some_and(|peak| at.secs_since(peak) > 0.5 * params.max_period_s) => {
+                    step = peak.take().map(|peak| (peak, extrema.fallen())).or(step);
+                }
                 None => {}
             }
         });
