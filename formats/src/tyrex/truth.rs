@@ -152,6 +152,8 @@ fn rotation(columns: &[f64; 9]) -> Option<[f64; 4]> {
         return None;
     }
     let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+    // As far from one as the matrix is from a rotation, until it is made one.
+    let q = UnitQuaternion::new_normalize(q.into_inner());
     Some([q.w, q.i, q.j, q.k])
 }
 
@@ -195,6 +197,14 @@ mod tests {
         let x = halfway.to_earth([1.0, 0.0, 0.0]);
         assert!((x[0] - x[1]).abs() < 1e-6 && (halfway.position_m[0] - 1.005).abs() < 1e-6, "{x:?}");
         assert_eq!(truth.pose_at(Timestamp::from_millis(20)), None);
+    }
+
+    #[test]
+    fn a_rotation_that_is_a_little_off_is_a_unit_quaternion_all_the_same() {
+        let stretched = [1.0004, 0.0, 0.0, 0.0, 1.0004, 0.0, 0.0, 0.0, 1.0004];
+        let truth = Truth::parse(&capture(&[0.0; 3], &stretched, 1)).unwrap();
+        let norm = truth.poses[0].earth_from_device.iter().map(|c| c * c).sum::<f64>();
+        assert!((norm - 1.0).abs() < 1e-12, "{norm}");
     }
 
     #[test]

@@ -120,7 +120,8 @@ impl Grip {
             CarryMode::Shaken => return self.shaken(body, time_s),
             CarryMode::BackPocket => {
                 // The seat turns with the pelvis and is pushed by the thigh.
-                let pelvis = compose(about(UP, 0.2 * swing(2)), about(RIGHT, 0.2 * swing(0) + 0.07 * thrown));
+                let pelvis =
+                    compose(about(UP, 0.2 * swing(2)), about(RIGHT, 0.15 * swing(0) + 0.05 * thrown));
                 let seat = compose(about(UP, 2.5), about(RIGHT, 1.3));
                 (add([0.09, -0.1, 0.52 * height_m], rotate(pelvis, [0.0, -0.1, -0.1])), compose(pelvis, seat))
             }
@@ -142,11 +143,13 @@ impl Grip {
             }
             CarryMode::OnTable => return ([0.3, 0.5, 0.75], about(UP, self.table_turn_rad)),
         };
-        // An ear nods with every step, and the hand with it.
-        let sway = if mode == CarryMode::AtEar { 2.0 } else { 1.0 };
-        let sway =
-            [0.035 * lively * libm::sin(step_rad + self.phase_rad[1]), 0.04 * swing(1), 0.06 * swing(2)]
-                .map(|turn_rad| sway * turn_rad);
+        // An ear turns with the head at every stride, but tilts no more than a hand.
+        let turning = if mode == CarryMode::AtEar { 2.0 } else { 1.0 };
+        let sway = [
+            0.035 * lively * libm::sin(step_rad + self.phase_rad[1]),
+            0.04 * swing(1),
+            turning * 0.06 * swing(2),
+        ];
         let turn = [0, 1, 2].map(|c| self.turn_rad[c] + self.waver[c].at(time_s) + sway[c]);
         let held = compose(about(UP, turn[2]), compose(about(AHEAD, turn[1]), about(RIGHT, turn[0])));
         (place, compose(held, attitude))
