@@ -123,7 +123,7 @@ fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> (Vec<Row>, R
             let walk = test_walk(office.simulate(&walk))?;
             // All recordings begin at one instant, so the start is off by as much in all under one seed.
             let seed = CounterRng::new(office.seed, k).next_u64();
-            let played = record(&floor, &recipes, START, seed, &walk, &name).with_changes("carry", &carry);
+            let played = record(&floor, &recipes, START, seed, &walk, &name).with_changes("truly", &carry);
             Some((score_systems(&floor, &recipes, seed, &walk, &bar), played))
         })
         .unzip();

@@ -129,7 +129,6 @@ impl Walk {
         truth: &Truth,
     ) -> Self {
         let ended = runs.iter().filter_map(SystemRun::ended).chain(truth.ended()).max().unwrap_or(began);
-        let modes = runs.last().map(|run| run.modes(began)).filter(|band| !band.spans.is_empty());
         Self {
             name: name.into(),
             floor: 0,
@@ -138,7 +137,7 @@ impl Walk {
             truth: truth.track(began),
             tracks: runs.iter().map(|run| run.track(began, truth)).collect(),
             errors: runs.iter().map(|run| WalkErrors::of(&run.score)).collect(),
-            bands: modes.into_iter().collect(),
+            bands: runs.last().map(|run| run.bands(began)).unwrap_or_default(),
         }
     }
 

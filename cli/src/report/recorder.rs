@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use fieldwalk::attitude::{Attitude, CarryMode};
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
 use fieldwalk::metrics::ScoredFix;
@@ -164,11 +165,19 @@ impl SystemRun {
         self.fixes.last().map(|fix| fix.time)
     }
 
-    /// What the fixes rest on, over time.
-    pub(super) fn modes(&self, began: Timestamp) -> Band {
-        let change = |fix: &Fix| (fix.time.secs_since(began).max(0.0), mode_name(fix.mode).to_owned());
+    /// What the fixes rest on, how the phone was held and where it was carried by them, over time.
+    pub(super) fn bands(&self, began: Timestamp) -> Vec<Band> {
         let end_s = self.ended().map_or(0.0, |ended| ended.secs_since(began));
-        Band::of_changes("mode", &self.fixes.iter().map(change).collect::<Vec<_>>(), end_s)
+        let band = |name: &str, said: fn(&Fix) -> &'static str| {
+            let change = |fix: &Fix| (fix.time.secs_since(began).max(0.0), said(fix).to_owned());
+            Band::of_changes(name, &self.fixes.iter().map(change).collect::<Vec<_>>(), end_s)
+        };
+        let bands = [
+            band("mode", |fix| mode_name(fix.mode)),
+            band("held", |fix| attitude_name(fix.attitude)),
+            band("carry", |fix| carry_name(fix.carry_mode)),
+        ];
+        bands.into_iter().filter(|band| !band.spans.is_empty()).collect()
     }
 
     pub(super) fn track(&self, began: Timestamp, truth: &Truth) -> Track {
@@ -246,6 +255,31 @@ pub(crate) fn mode_name(mode: Mode) -> &'static str {
         Mode::ParticleFilter => "walking",
         Mode::Stale => "stale",
         _ => "other",
+    }
+}
+
+/// How a phone is held, for people.
+fn attitude_name(attitude: Attitude) -> &'static str {
+    match attitude {
+        Attitude::UpwardForwardHorizontal => "level, ahead",
+        Attitude::UpwardForwardInclined => "inclined, ahead",
+        Attitude::UpwardNotForward => "up, not ahead",
+        Attitude::NotUpward => "not up",
+        _ => "unknown",
+    }
+}
+
+/// Where a phone is carried, for people.
+fn carry_name(mode: CarryMode) -> &'static str {
+    match mode {
+        CarryMode::HeldUp => "in hand",
+        CarryMode::HeldUpright => "upright in hand",
+        CarryMode::Calling => "at the ear",
+        CarryMode::Swinging => "swinging",
+        CarryMode::FrontPocket => "front pocket",
+        CarryMode::BackPocket => "back pocket",
+        CarryMode::OnTable => "on a table",
+        _ => "unknown",
     }
 }
 
