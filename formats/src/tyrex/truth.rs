@@ -147,8 +147,9 @@ const REMEDY: &str = "give a capture as Qualisys Track Manager exports it, with 
 fn rotation(columns: &[f64; 9]) -> Option<[f64; 4]> {
     let matrix = Matrix3::from_column_slice(columns);
     let error = (matrix.transpose() * matrix - Matrix3::identity()).abs().max();
-    // A comparison with NaN is false.
-    if !(error < 1e-3 && matrix.determinant() > 0.0) {
+    // The greatest of a matrix passes over what is not a number.
+    let is_finite = columns.iter().all(|c| c.is_finite());
+    if !is_finite || error >= 1e-3 || matrix.determinant() <= 0.0 {
         return None;
     }
     let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
@@ -205,6 +206,16 @@ mod tests {
         let truth = Truth::parse(&capture(&[0.0; 3], &stretched, 1)).unwrap();
         let norm = truth.poses[0].earth_from_device.iter().map(|c| c * c).sum::<f64>();
         assert!((norm - 1.0).abs() < 1e-12, "{norm}");
+    }
+
+    #[test]
+    fn one_number_that_is_none_loses_its_frame() {
+        for (at, none) in [(3, f64::NEG_INFINITY), (0, f64::NAN), (8, f64::INFINITY), (3, f64::NAN)] {
+            let mut matrix = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+            matrix[at] = none;
+            let truth = Truth::parse(&capture(&[0.0; 3], &matrix, 1)).unwrap();
+            assert_eq!((truth.poses.len(), truth.n_lost), (0, 1), "{at} {none}");
+        }
     }
 
     #[test]
