@@ -25,7 +25,7 @@ pub use scalar_kalman::{ScalarKalman, ScalarKalmanParams, WilaHeading};
 pub use walk_direction::{WalkAxis, WalkAxisEstimator};
 
 use crate::rotation::Quaternion;
-use crate::sensor::Sample;
+use crate::sensor::{Reading, Sample};
 
 /// Turns samples into the device's rotation against magnetic north.
 pub trait HeadingEstimator {
@@ -48,6 +48,26 @@ pub fn axis_heading_rad(earth_from_device: Quaternion, axis: [f64; 3]) -> f64 {
 /// The heading part of `estimate · truth⁻¹`: no device axis has to be chosen, and a tilt error does not count.
 pub fn heading_error_rad(estimate: Quaternion, truth: Quaternion) -> f64 {
     estimate.after(truth.inverse()).heading_part_rad()
+}
+
+/// The field as the phone corrects it: from the uncalibrated stream, once there is one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct FieldStream {
+    has_uncalibrated: bool,
+}
+
+impl FieldStream {
+    /// The field in the device frame without the phone's bias, in µT, if `reading` tells it.
+    fn corrected_ut(&mut self, reading: &Reading) -> Option<[f32; 3]> {
+        match *reading {
+            Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
+                self.has_uncalibrated = true;
+                Some([0, 1, 2].map(|c| field_ut[c] - bias_ut[c]))
+            }
+            Reading::MagneticField(field_ut) if !self.has_uncalibrated => Some(field_ut),
+            _ => None,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::HeadingEstimator;
+use super::{FieldStream, HeadingEstimator};
 use crate::gravity::{LevelEstimator, LevelParams, VectorLowPass};
 use crate::rotation::{Quaternion, cross, norm};
 use crate::sensor::{Reading, Sample};
@@ -44,7 +44,7 @@ pub struct Compass {
     params: CompassParams,
     gravity: VectorLowPass,
     last_force: Option<Timestamp>,
-    has_uncalibrated: bool,
+    field: FieldStream,
     earth_from_device: Option<Quaternion>,
 }
 
@@ -55,7 +55,7 @@ impl Compass {
             params,
             gravity: VectorLowPass::default(),
             last_force: None,
-            has_uncalibrated: false,
+            field: FieldStream::default(),
             earth_from_device: None,
         }
     }
@@ -82,12 +82,11 @@ impl HeadingEstimator for Compass {
                 self.last_force = Some(sample.time);
                 self.gravity.update(force, VectorLowPass::factor(self.params.gravity_cutoff_hz, dt_s as f32));
             }
-            Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
-                self.has_uncalibrated = true;
-                self.push_field([0, 1, 2].map(|c| field_ut[c] - bias_ut[c]));
+            reading => {
+                if let Some(field_ut) = self.field.corrected_ut(&reading) {
+                    self.push_field(field_ut);
+                }
             }
-            Reading::MagneticField(field_ut) if !self.has_uncalibrated => self.push_field(field_ut),
-            _ => {}
         }
     }
 
@@ -102,14 +101,14 @@ impl HeadingEstimator for Compass {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LevelCompass {
     level: LevelEstimator,
-    has_uncalibrated: bool,
+    field: FieldStream,
     earth_from_device: Option<Quaternion>,
 }
 
 impl LevelCompass {
     /// A compass that has seen nothing.
     pub fn new(params: LevelParams) -> Self {
-        Self { level: LevelEstimator::new(params), has_uncalibrated: false, earth_from_device: None }
+        Self { level: LevelEstimator::new(params), field: FieldStream::default(), earth_from_device: None }
     }
 
     fn push_field(&mut self, field_ut: [f32; 3]) {
@@ -131,12 +130,11 @@ impl HeadingEstimator for LevelCompass {
             Reading::SpecificForce(force) => {
                 self.level.push_specific_force(sample.time, force);
             }
-            Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
-                self.has_uncalibrated = true;
-                self.push_field([0, 1, 2].map(|c| field_ut[c] - bias_ut[c]));
+            reading => {
+                if let Some(field_ut) = self.field.corrected_ut(&reading) {
+                    self.push_field(field_ut);
+                }
             }
-            Reading::MagneticField(field_ut) if !self.has_uncalibrated => self.push_field(field_ut),
-            _ => {}
         }
     }
 

@@ -1,6 +1,6 @@
 //! The gyroscope from the compass's first word.
 
-use super::HeadingEstimator;
+use super::{FieldStream, HeadingEstimator};
 use crate::gravity::{LevelEstimator, LevelParams};
 use crate::rotation::Quaternion;
 use crate::sensor::{Reading, Sample};
@@ -15,7 +15,7 @@ const START_S: f64 = 1.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct GyroscopeHeading {
     level: LevelEstimator,
-    has_uncalibrated: bool,
+    field: FieldStream,
     first_field: Option<Timestamp>,
     /// Sum of horizontal fields over the first second, level frame.
     north: [f64; 2],
@@ -26,7 +26,7 @@ impl GyroscopeHeading {
     pub fn new(params: LevelParams) -> Self {
         Self {
             level: LevelEstimator::new(params),
-            has_uncalibrated: false,
+            field: FieldStream::default(),
             first_field: None,
             north: [0.0; 2],
         }
@@ -52,14 +52,11 @@ impl HeadingEstimator for GyroscopeHeading {
             Reading::SpecificForce(force) => {
                 self.level.push_specific_force(sample.time, force);
             }
-            Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
-                self.has_uncalibrated = true;
-                self.push_field(sample.time, [0, 1, 2].map(|c| field_ut[c] - bias_ut[c]));
+            reading => {
+                if let Some(field_ut) = self.field.corrected_ut(&reading) {
+                    self.push_field(sample.time, field_ut);
+                }
             }
-            Reading::MagneticField(field_ut) if !self.has_uncalibrated => {
-                self.push_field(sample.time, field_ut);
-            }
-            _ => {}
         }
     }
 

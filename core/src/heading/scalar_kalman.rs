@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{HeadingEstimator, axis_heading_rad, earth_from_device};
+use super::{FieldStream, HeadingEstimator, axis_heading_rad, earth_from_device};
 use crate::geometry::wrap_rad;
 use crate::gravity::{LevelEstimator, LevelParams};
 use crate::rotation::Quaternion;
@@ -78,7 +78,7 @@ impl ScalarKalman {
 pub struct WilaHeading {
     params: ScalarKalmanParams,
     level: LevelEstimator,
-    has_uncalibrated: bool,
+    field: FieldStream,
     filter: Option<ScalarKalman>,
     /// The axis whose heading is kept: 0, 1 or 2; and that heading in the level frame at the last prediction.
     axis: usize,
@@ -92,7 +92,7 @@ impl WilaHeading {
         Self {
             params,
             level: LevelEstimator::new(level),
-            has_uncalibrated: false,
+            field: FieldStream::default(),
             filter: None,
             axis: 1,
             level_heading_rad: 0.0,
@@ -148,12 +148,11 @@ impl HeadingEstimator for WilaHeading {
             Reading::SpecificForce(force) => {
                 self.level.push_specific_force(sample.time, force);
             }
-            Reading::UncalibratedMagneticField { field_ut, bias_ut } => {
-                self.has_uncalibrated = true;
-                self.push_field([0, 1, 2].map(|c| field_ut[c] - bias_ut[c]));
+            reading => {
+                if let Some(field_ut) = self.field.corrected_ut(&reading) {
+                    self.push_field(field_ut);
+                }
             }
-            Reading::MagneticField(field_ut) if !self.has_uncalibrated => self.push_field(field_ut),
-            _ => {}
         }
     }
 
