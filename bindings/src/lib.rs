@@ -24,6 +24,7 @@
 mod building_map;
 mod error;
 mod fix;
+mod ibeacons;
 mod positioner;
 mod snapshot;
 mod status;

@@ -3,12 +3,15 @@
 mod aarch64;
 mod arguments;
 mod bindings;
+mod example_walk;
 mod fuzz;
 mod install;
 mod kotlin;
 mod process;
 mod report;
 mod stages;
+mod swift;
+mod swift_toolchain;
 mod tidy;
 mod workspace;
 
