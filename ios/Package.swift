@@ -12,7 +12,10 @@ import PackageDescription
 let package = Package(
     name: "Fieldwalk",
     platforms: [.iOS(.v15), .macOS(.v12)],
-    products: [.library(name: "Fieldwalk", targets: ["Fieldwalk"])],
+    products: [
+        .library(name: "Fieldwalk", targets: ["Fieldwalk"]),
+        .library(name: "FieldwalkSurvey", targets: ["FieldwalkSurvey"]),
+    ],
     targets: [
         engine,
         .target(
@@ -21,5 +24,8 @@ let package = Package(
             resources: [.copy("PrivacyInfo.xcprivacy")]
         ),
         .testTarget(name: "FieldwalkTests", dependencies: ["Fieldwalk"]),
+        // The survey app's logic; the app itself is Survey/project.yml.
+        .target(name: "FieldwalkSurvey", dependencies: ["Fieldwalk"], path: "Survey/Model"),
+        .testTarget(name: "FieldwalkSurveyTests", dependencies: ["FieldwalkSurvey"], path: "Survey/Tests"),
     ]
 )
