@@ -23,7 +23,7 @@ let package = Package(
             dependencies: ["FieldwalkFFI"],
             resources: [.copy("PrivacyInfo.xcprivacy")]
         ),
-        .testTarget(name: "FieldwalkTests", dependencies: ["Fieldwalk"]),
+        .testTarget(name: "FieldwalkTests", dependencies: ["Fieldwalk", "FieldwalkSurvey"]),
         // The survey app's logic; the app itself is Survey/project.yml.
         .target(name: "FieldwalkSurvey", dependencies: ["Fieldwalk"], path: "Survey/Model"),
         .testTarget(name: "FieldwalkSurveyTests", dependencies: ["FieldwalkSurvey"], path: "Survey/Tests"),

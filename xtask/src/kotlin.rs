@@ -1,12 +1,12 @@
 //! The Kotlin bindings on the JVM: compiled with warnings as errors, compared bit for bit with `fieldwalk replay`.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::process::{find_program, run_into};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
-use crate::{bindings, example_walk};
+use crate::{bindings, readme_example};
 
 /// How Maven says that it cannot reach a repository; a test that fails says none of these.
 const OFFLINE: [&str; 4] = [
@@ -20,8 +20,8 @@ const OFFLINE: [&str; 4] = [
 const README_HEAD: &str = "import org.fieldwalk.*\n\n@Suppress(\"unused\")\n";
 
 pub fn run(workspace: &Workspace) -> Outcome {
-    let generated = match bindings::generate(workspace) {
-        Ok(generated) => generated,
+    let sources = match bindings::generate(workspace, bindings::KOTLIN) {
+        Ok(sources) => sources,
         Err(reason) => return Err(reason).into(),
     };
     if !has_jdk() {
@@ -31,21 +31,17 @@ pub fn run(workspace: &Workspace) -> Outcome {
         return Outcome::skipped("Maven is missing: apt-get install maven");
     };
     let folder = bindings::folder(workspace);
-    let example = folder.join("readme/Readme.kt");
-    let written = example_walk::write(workspace).and_then(|walk| {
-        example_walk::write_readme_example(&workspace.root, "kotlin", README_HEAD, &example).map(|()| walk)
-    });
-    let walk = match written {
+    let walk = match prepare(workspace, &folder) {
         Ok(walk) => walk,
         Err(reason) => return Err(reason).into(),
     };
     let define = |name: &str, path: &Path| format!("-Dfieldwalk.{name}={}", path.display());
-    let library = generated.library.parent().unwrap_or(&folder);
+    let library = bindings::library(workspace);
     let mut test = workspace.command(maven);
     test.args(["-q", "-B", "-ntp", "-f", "bindings/kotlin/pom.xml"])
         .arg(define("target", &folder))
-        .arg(define("generated", &generated.kotlin))
-        .arg(define("library", library))
+        .arg(define("generated", &sources))
+        .arg(define("library", library.parent().unwrap_or(&folder)))
         .arg(define("walk", &walk))
         .arg("test");
     let log = folder.join("maven.log");
@@ -68,4 +64,10 @@ pub fn run(workspace: &Workspace) -> Outcome {
 /// Whether there is a compiler for Java; Kotlin's needs the same libraries.
 pub fn has_jdk() -> bool {
     find_program("java").is_some() && find_program("javac").is_some()
+}
+
+/// The README's example as a source; gives the folder of the simulated walk.
+fn prepare(workspace: &Workspace, folder: &Path) -> Result<PathBuf, String> {
+    readme_example::write(&workspace.root, "kotlin", README_HEAD, &folder.join("readme/Readme.kt"))?;
+    bindings::walk(workspace)
 }

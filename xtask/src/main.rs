@@ -3,11 +3,12 @@
 mod aarch64;
 mod arguments;
 mod bindings;
-mod example_walk;
 mod fuzz;
 mod install;
 mod kotlin;
 mod process;
+mod python;
+mod readme_example;
 mod report;
 mod stages;
 mod swift;

@@ -4,23 +4,23 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::bindings::{self, SWIFT_PACKAGE};
-use crate::example_walk;
 use crate::process::run_into;
 use crate::report::Outcome;
 use crate::swift_toolchain::Toolchain;
 use crate::workspace::Workspace;
+use crate::{bindings, readme_example};
 
+/// The Swift package.
+const PACKAGE: &str = "ios";
 /// Where the README's example is put for the tests.
 const README_EXAMPLE: &str = "Tests/FieldwalkTests/Generated/Readme.swift";
 /// Apple's frameworks that are declared in `Stubs/`, and that the package calls.
 const FRAMEWORKS: [&str; 3] = ["CoreMotion", "CoreLocation", "CoreBluetooth"];
 
 pub fn run(workspace: &Workspace) -> Outcome {
-    let library = match bindings::generate(workspace) {
-        Ok(generated) => generated.library,
-        Err(reason) => return Err(reason).into(),
-    };
+    if let Err(reason) = bindings::generate(workspace, bindings::SWIFT) {
+        return Err(reason).into();
+    }
     if !cfg!(target_os = "linux") {
         return Outcome::skipped(
             "the Swift tests run on Linux; on a Mac: ios/scripts/xcframework.sh, then Xcode",
@@ -30,8 +30,9 @@ pub fn run(workspace: &Workspace) -> Outcome {
         Ok(toolchain) => toolchain,
         Err(reason) => return Outcome::skipped(reason),
     };
+    let library = bindings::library(workspace);
     let libraries = library.parent().unwrap_or(&workspace.target).to_owned();
-    Package { workspace, toolchain, folder: workspace.root.join(SWIFT_PACKAGE), libraries }.check().into()
+    Package { workspace, toolchain, folder: workspace.root.join(PACKAGE), libraries }.check().into()
 }
 
 struct Package<'a> {
@@ -44,9 +45,9 @@ struct Package<'a> {
 
 impl Package<'_> {
     fn check(&self) -> Result<(), String> {
-        let walk = example_walk::write(self.workspace)?;
+        let walk = bindings::walk(self.workspace)?;
         let example = self.folder.join(README_EXAMPLE);
-        example_walk::write_readme_example(&self.workspace.root, "swift", "import Fieldwalk\n\n", &example)?;
+        readme_example::write(&self.workspace.root, "swift", "import Fieldwalk\n\n", &example)?;
         let made = bindings::folder(self.workspace);
         let build = made.join("swift-build");
         let link = format!("-L{}", self.libraries.display());
@@ -57,7 +58,7 @@ impl Package<'_> {
         self.check_apple_parts(&made.join("swift-stubs"))
     }
 
-    /// What needs Apple's frameworks is type-checked against declarations of what it calls.
+    /// What needs Apple's frameworks is type-checked against declarations of what it calls; the app is parsed.
     fn check_apple_parts(&self, stubs: &Path) -> Result<(), String> {
         fs::create_dir_all(stubs).map_err(|error| format!("{}: {error}", stubs.display()))?;
         let include = text(stubs);
@@ -79,7 +80,9 @@ impl Package<'_> {
             "Fieldwalk",
         ];
         let paths = ["-package-name", "fieldwalk", "-I", &include, "-I", "Sources/FieldwalkFFI"];
-        self.run("typecheck", &[&check, paths.as_slice(), &words(&sources)].concat())
+        self.run("typecheck", &[&check, paths.as_slice(), &words(&sources)].concat())?;
+        let app = self.sources_under("Survey/App")?;
+        self.run("parse", &[["swiftc", "-parse"].as_slice(), &words(&app)].concat())
     }
 
     /// Runs `arguments` in the package; its output is shown when it fails.

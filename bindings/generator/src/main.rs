@@ -1,10 +1,14 @@
 //! Generates the foreign side of the bindings from the built library and from the batch's layout.
 //!
-//! `LIBRARY` is the unstripped shared library. What an app can call must be what the language's surface file lists.
+//! `fieldwalk-bindgen LANGUAGE LIBRARY FOLDER SURFACE`: `LANGUAGE` is `kotlin`, `python` or `swift`, `LIBRARY` the
+//! unstripped shared library; generated sources go under `FOLDER`, and the public declarations found there must be those
+//! of the file `SURFACE`.
 #![forbid(unsafe_code)]
 
 mod kotlin_batch;
 mod kotlin_surface;
+mod python_batch;
+mod python_surface;
 mod surface;
 mod swift_batch;
 mod swift_surface;
@@ -17,26 +21,64 @@ use std::process::ExitCode;
 use camino::{Utf8Path, Utf8PathBuf};
 use uniffi::TargetLanguage;
 
-const USAGE: &str = "\
-usage: fieldwalk-bindgen kotlin LIBRARY FOLDER SURFACE   sources go under FOLDER
-       fieldwalk-bindgen swift LIBRARY PACKAGE SURFACE   sources and the C header go into the Swift package";
+/// What differs from language to language.
+struct Language {
+    name: &'static str,
+    target: TargetLanguage,
+    /// The folder in which sources stand.
+    package: &'static str,
+    /// The encoder's file and source.
+    encoder: (&'static str, fn() -> String),
+    declarations: fn(&str) -> Vec<String>,
+    /// Where the sources begin that apps see together, from the folder of the generated ones.
+    seen_with: &'static str,
+    /// A file that belongs elsewhere: what it is called, and where it belongs, from the folder.
+    moved: Option<(&'static str, &'static str)>,
+}
 
-/// Where in the Swift package its own and the generated sources are.
-const SWIFT_SOURCES: &str = "Sources/Fieldwalk";
-const SWIFT_GENERATED: &str = "Sources/Fieldwalk/Generated";
-const SWIFT_HEADER: &str = "Sources/FieldwalkFFI/FieldwalkFFI.h";
+const LANGUAGES: &[Language] = &[
+    Language {
+        name: "kotlin",
+        target: TargetLanguage::Kotlin,
+        package: "org/fieldwalk",
+        encoder: ("SampleBatch.kt", kotlin_batch::source),
+        declarations: kotlin_surface::declarations,
+        seen_with: "",
+        moved: None,
+    },
+    Language {
+        name: "python",
+        target: TargetLanguage::Python,
+        package: "",
+        encoder: ("sample_batch.py", python_batch::source),
+        declarations: python_surface::declarations,
+        seen_with: "",
+        moved: None,
+    },
+    Language {
+        name: "swift",
+        target: TargetLanguage::Swift,
+        package: "",
+        encoder: ("SampleBatch.swift", swift_batch::source),
+        declarations: swift_surface::declarations,
+        seen_with: "..",
+        // The header is a module of its own.
+        moved: Some(("FieldwalkFFI.h", "../../FieldwalkFFI/FieldwalkFFI.h")),
+    },
+];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        ["kotlin", library, folder, surface] => kotlin(library, Utf8Path::new(folder), Path::new(surface)),
-        ["swift", library, package, surface] => swift(library, Utf8Path::new(package), Path::new(surface)),
-        _ => {
-            eprintln!("{USAGE}");
-            return ExitCode::from(2);
-        }
+    let [language, library, folder, surface] = arguments.as_slice() else {
+        eprintln!("usage: fieldwalk-bindgen LANGUAGE LIBRARY FOLDER SURFACE");
+        return ExitCode::from(2);
     };
-    match result {
+    let Some(language) = LANGUAGES.iter().find(|known| known.name == language) else {
+        eprintln!("error: no bindings for the language `{language}`");
+        return ExitCode::from(2);
+    };
+    let declarations = generate(language, library, folder);
+    match declarations.and_then(|declarations| surface::compare(declarations, Path::new(surface))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -45,54 +87,37 @@ fn main() -> ExitCode {
     }
 }
 
-fn kotlin(library: &str, folder: &Utf8Path, surface: &Path) -> Result<(), Box<dyn Error>> {
-    generate(TargetLanguage::Kotlin, library, folder)?;
-    let package = folder.join("org/fieldwalk");
-    std::fs::write(package.join("SampleBatch.kt"), kotlin_batch::source())?;
-    let sources = sources_under(&package)?;
-    surface::compare(
-        sources.iter().flat_map(|source| kotlin_surface::declarations(source)).collect(),
-        surface,
-    )
-}
-
-fn swift(library: &str, package: &Utf8Path, surface: &Path) -> Result<(), Box<dyn Error>> {
-    let folder = package.join(SWIFT_GENERATED);
-    generate(TargetLanguage::Swift, library, &folder)?;
-    // The header is a module of its own.
-    std::fs::rename(folder.join("FieldwalkFFI.h"), package.join(SWIFT_HEADER))?;
-    std::fs::write(folder.join("SampleBatch.swift"), swift_batch::source())?;
-    let sources = sources_under(&package.join(SWIFT_SOURCES))?;
-    surface::compare(sources.iter().flat_map(|source| swift_surface::declarations(source)).collect(), surface)
-}
-
-/// Writes what UniFFI generates, into an emptied folder: a source that is no longer generated must not be compiled.
-fn generate(language: TargetLanguage, library: &str, folder: &Utf8Path) -> Result<(), Box<dyn Error>> {
+/// Writes the sources anew and gives their public declarations.
+fn generate(language: &Language, library: &str, folder: &str) -> Result<Vec<String>, Box<dyn Error>> {
+    let folder = Utf8PathBuf::from(folder);
+    // A source that is no longer generated must not be compiled.
     if folder.exists() {
-        std::fs::remove_dir_all(folder)?;
+        std::fs::remove_dir_all(&folder)?;
     }
     uniffi::generate(uniffi::GenerateOptions {
-        languages: vec![language],
+        languages: vec![language.target.clone()],
         source: library.into(),
-        out_dir: folder.to_owned(),
+        out_dir: folder.clone(),
         ..uniffi::GenerateOptions::default()
     })?;
-    Ok(())
-}
-
-/// The texts of all Kotlin or Swift sources under `folder`.
-fn sources_under(folder: &Utf8Path) -> Result<Vec<String>, Box<dyn Error>> {
-    let mut folders: Vec<Utf8PathBuf> = vec![folder.to_owned()];
-    let mut sources = Vec::new();
+    let package = folder.join(Utf8Path::new(language.package));
+    let (file, encoder) = language.encoder;
+    std::fs::write(package.join(file), encoder())?;
+    if let Some((file, place)) = language.moved {
+        std::fs::rename(folder.join(file), folder.join(place))?;
+    }
+    let ending = Utf8Path::new(file).extension();
+    let mut declarations = Vec::new();
+    let mut folders = vec![folder.join(language.seen_with)];
     while let Some(folder) = folders.pop() {
         for entry in folder.read_dir_utf8()? {
             let path = entry?.into_path();
             if path.is_dir() {
                 folders.push(path);
-            } else if matches!(path.extension(), Some("kt" | "swift")) {
-                sources.push(std::fs::read_to_string(path)?);
+            } else if path.extension() == ending {
+                declarations.extend((language.declarations)(&std::fs::read_to_string(path)?));
             }
         }
     }
-    Ok(sources)
+    Ok(declarations)
 }

@@ -16,7 +16,7 @@ pub fn compare(mut found: Vec<String>, path: &Path) -> Result<(), Box<dyn Error>
     if std::env::var_os(UPDATE).is_some_and(|value| value == "1") {
         return Ok(std::fs::write(path, found)?);
     }
-    let expected = std::fs::read_to_string(path)?;
+    let expected = std::fs::read_to_string(path).unwrap_or_default();
     if found == expected {
         return Ok(());
     }

@@ -6,7 +6,7 @@ public struct CardSighting: Sendable, Equatable {
     public let timeNs: Int64
     /// Received signal strength, in dBm.
     public let rssiDbm: Float
-    /// The card's frame as it is on the air, 31 bytes.
+    /// The card's frame as it is on the air, 31 bytes: what ``CardDecoder/decodeAdvertisement(advertisement:)`` reads.
     public let frame: Data
 
     /// A sighting of what Core Bluetooth calls the manufacturer data; nothing when they are no card's.

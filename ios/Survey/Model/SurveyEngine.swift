@@ -21,8 +21,8 @@ public protocol SurveyEngine: Sendable {
     func endWalk() throws -> WalkSummary
     /// Drops the last of the walks that have ended; false when there is none.
     func undoWalk() throws -> Bool
-    /// Steps seen in the walk since it began or was resumed.
-    func nSteps() throws -> Int
+    /// How the walk fares.
+    func progress() throws -> WalkProgress
     /// What is covered so far.
     func coverage() throws -> CoverageGrid
     /// The map of all walks that have ended, as one file, and what it is worth; takes seconds.
@@ -40,6 +40,18 @@ public struct PlanLines: Sendable, Equatable {
 
     public init(widthM: Double, heightM: Double, rings: [[Point2]] = [], lines: [[Point2]] = []) {
         (self.widthM, self.heightM, self.rings, self.lines) = (widthM, heightM, rings, lines)
+    }
+}
+
+/// How a walk fares while it is walked.
+public struct WalkProgress: Sendable, Equatable {
+    /// Steps seen since it began or was resumed.
+    public var nSteps: Int
+    /// What to do about sensors that are missing.
+    public var remedies: [String]
+
+    public init(nSteps: Int, remedies: [String]) {
+        (self.nSteps, self.remedies) = (nSteps, remedies)
     }
 }
 

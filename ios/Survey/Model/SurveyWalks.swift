@@ -28,7 +28,11 @@ public actor SurveyWalks {
 
     /// What to show.
     public func look() -> SurveyState {
-        if state.phase != .idle, let n = try? engine.nSteps() { state.nSteps = n }
+        if state.canEnd, let progress = try? engine.progress() {
+            (state.nSteps, state.remedies) = (progress.nSteps, progress.remedies)
+        } else {
+            state.remedies = []
+        }
         if let failure = run?.failure { state.message = Self.text(of: failure) }
         return state
     }
@@ -166,6 +170,8 @@ public struct SurveyState: Sendable, Equatable {
     public var taps: [Point2] = []
     /// Steps since then.
     public var nSteps = 0
+    /// What to do about sensors that are missing.
+    public var remedies: [String] = []
     /// Walks that the map will use, and their length together.
     public var nWalks = 0
     public var routeM = 0.0

@@ -20,9 +20,11 @@ struct SurveyWalksTests {
         await walks.tap(Point2(xM: 1, yM: 2))
         sensors.deliver(7)
         await walks.tap(Point2(xM: 9, yM: 2))
-        #expect(await walks.look().taps.count == 2)
+        let walking = await walks.look()
+        #expect(walking.taps.count == 2 && walking.nSteps == 3 && walking.remedies == ["switch Bluetooth on"])
         await walks.endWalk()
         #expect(sensors.isStopped)
+        #expect(await walks.look().remedies.isEmpty)
         // Samples stand before the waypoint that came after them.
         #expect(
             engine.calls == [
@@ -184,7 +186,7 @@ private final class RecordingEngine: SurveyEngine, @unchecked Sendable {
         return nEnded > 0
     }
 
-    func nSteps() -> Int { 3 }
+    func progress() -> WalkProgress { WalkProgress(nSteps: 3, remedies: ["switch Bluetooth on"]) }
 
     func coverage() -> CoverageGrid {
         CoverageGrid(openM2: 10, coveredM2: 4, cellM: 1, nColumns: 1, nRows: 1, nodes: [2])

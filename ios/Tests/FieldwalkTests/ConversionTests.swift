@@ -80,6 +80,8 @@ struct ConversionTests {
         #expect(card.frame.count == 31)
         #expect(card.frame.prefix(8) == Data([0x02, 0x01, 0x06, 0x1b, 0xff, 0xff, 0xff, 0x10]))
         #expect(card.rssiDbm == -70 && card.timeNs == 5)
+        let round = try CardDecoder().decodeAdvertisement(advertisement: card.frame)
+        #expect(round.cardId == 0x0707 && round.sequence == 7)
         #expect(CardSighting(manufacturerData: manufacturer.dropLast(), rssiDbm: -70, timeNs: 5) == nil)
         #expect(CardSighting(manufacturerData: Data([0x4c, 0]) + manufacturer.dropFirst(2), rssiDbm: -70, timeNs: 5) == nil)
         #expect(CardSighting(manufacturerData: manufacturer, rssiDbm: 127, timeNs: 5) == nil)
