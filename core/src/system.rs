@@ -222,9 +222,13 @@ systems! {
 }
 
 impl Recipe {
-    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses.
+    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses; RADAR has no use for
+    /// them and stays as it is.
     #[must_use]
     pub fn with_plan(self) -> Self {
+        if self.radar.is_some() {
+            return self;
+        }
         let Self { plan, routes, .. } = Self::fused();
         Self { plan, routes, ..self }
     }

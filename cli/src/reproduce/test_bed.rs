@@ -8,6 +8,7 @@ use fieldwalk::geometry::Point2;
 use fieldwalk_sim::building::{Aisle, Building, GridBuilding};
 use fieldwalk_sim::magnetic_field::SteelParams;
 use fieldwalk_sim::phone::{PhoneModel, SensorModel};
+use fieldwalk_sim::radio::RadioScene;
 use fieldwalk_sim::scenario::Scenario;
 use fieldwalk_sim::walker::WalkerProfile;
 
@@ -92,6 +93,18 @@ pub fn mass_centered_phones() -> [(&'static str, PhoneModel); 4] {
         ("Samsung Note 3", phone(0.7, 0.6, 0.003)),
         ("Xiaomi M2", phone(0.7, 0.3, 0.005)),
     ]
+}
+
+/// The hall of iBILL 2017 with a cluster of three beacons 4 m apart at either end, at the height of a phone held level.
+///
+/// # Source
+/// The distances are the paper's. It gives no height, and computes as if there were none (Eq. 31): under the ceiling of
+/// six metres all beacons of a cluster are about equally far from everywhere in it.
+pub fn ibill_clusters(seed: u64) -> Scenario {
+    let mut hall = Scenario::of_building(Building::hall(), &SteelParams::default(), seed);
+    hall.radio = RadioScene::clusters(&hall.building, seed);
+    hall.radio.transmitters.iter_mut().for_each(|beacon| beacon.place_m[2] = 1.1);
+    hall
 }
 
 #[cfg(test)]
