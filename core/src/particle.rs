@@ -41,6 +41,19 @@ pub struct Particles {
     /// The last terms of the mass-centred sum, newest first, in blocks of the window's length.
     #[serde(deserialize_with = "null_as_nan")]
     pub delta_errors_ut: Vec<f32>,
+    /// Latest direction of the map's field, horizontal part, clockwise from the floor's y, in radians; NaN where there
+    /// was none.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub field_heading_rad: Vec<f32>,
+    /// Latest angle of the map's field from the upward vertical, in radians; NaN where there was none.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub polar_rad: Vec<f32>,
+    /// The last terms of the mass-centred sum over azimuths, newest first, in blocks of the window's length.
+    #[serde(default)]
+    pub azimuth_errors_rad: Vec<f32>,
+    /// As `azimuth_errors_rad`, over polar angles.
+    #[serde(default)]
+    pub polar_errors_rad: Vec<f32>,
     /// Natural logarithm of the weight; the largest is 0 after normalisation.
     pub log_weight: Vec<f32>,
 }
@@ -62,6 +75,10 @@ pub(crate) enum Part {
     MassCentered,
     /// The mass-centred weight: as many values a particle as its window has steps.
     MassCenteredWindow,
+    /// The mass-centred weight on the field's direction.
+    FieldDirection,
+    /// The same: as many values a particle as its window has steps.
+    FieldDirectionWindow,
 }
 
 /// The arrays of `Particles` with their parts, borrowed as the argument is.
@@ -82,6 +99,10 @@ macro_rules! arrays {
             bias_variance_ut2: FieldVector,
             strength_ut: MassCentered,
             delta_errors_ut: MassCenteredWindow,
+            field_heading_rad: FieldDirection,
+            polar_rad: FieldDirection,
+            azimuth_errors_rad: FieldDirectionWindow,
+            polar_errors_rad: FieldDirectionWindow,
             log_weight: Always,
         })
     };

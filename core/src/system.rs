@@ -99,10 +99,11 @@ pub enum LengthRule {
         /// Standard deviation of one step's length over its mean.
         step_sd: f32,
     },
-    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`.
+    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`, and steps in a turn shortened by
+    /// [`turned_length_m`](crate::step::turned_length_m).
     ///
     /// # Source
-    /// Mass-centred 2019, Eq. 13; initial genes, δ and Λ are ours (the paper gives none).
+    /// Mass-centred 2019, Eqs. 13 and 14; initial genes, δ and Λ are ours (the paper gives none).
     Genetic {
         /// Mean of `p_a` at the start, metres per Hz.
         a_m: f32,

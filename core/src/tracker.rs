@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::Point2;
+use crate::geometry::{Point2, wrap_rad};
 use crate::map::FloorIndex;
+use crate::observation::mass_centered::Departure;
 use crate::observation::radio::RadioObservation;
 use crate::observation::{field_vector, mass_centered, radio};
 use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
@@ -31,7 +32,11 @@ pub struct TrackerState {
     n_steps: u32,
     /// Mean length of the latest step over particles, in metres.
     step_length_m: f64,
-    last_end_strength_ut: Option<f32>,
+    /// What the mass-centred weight compares the next step to.
+    last_observed: mass_centered::LastObserved,
+    /// Heading of the latest step's device, and how far it turned since the step before: what Eq. 14 asks for.
+    last_level_heading_rad: Option<f32>,
+    turn_rad: f32,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
     /// The latest estimate: resampling loses what it was made from.
@@ -103,9 +108,9 @@ impl Tracker {
         let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
         let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
         let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
-        let window = match self.recipe.magnetic {
-            MagneticRule::MassCentered(params) => params.window.max(1),
-            _ => 0,
+        let (window, has_direction) = match self.recipe.magnetic {
+            MagneticRule::MassCentered(params) => (params.window.max(1), params.direction.is_some()),
+            _ => (0, false),
         };
         let a_particle = |part| match part {
             Part::Always => 1,
@@ -115,6 +120,14 @@ impl Tracker {
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
+            Part::FieldDirection => usize::from(has_direction),
+            Part::FieldDirectionWindow => {
+                if has_direction {
+                    window
+                } else {
+                    0
+                }
+            }
         };
         state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
     }
@@ -165,6 +178,7 @@ impl Tracker {
             self.orient(event);
         }
         self.state.n_steps = self.state.n_steps.wrapping_add(1);
+        self.note_turn(event);
         self.weigh_alike();
         self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
         self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
@@ -192,6 +206,14 @@ impl Tracker {
     /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
     pub fn hear(&mut self, _now: Timestamp, _radio: &[RadioObservation]) -> bool {
         false
+    }
+
+    /// Remembers how far the body turned since the step before; not at all in the first step of a walk.
+    fn note_turn(&mut self, event: &StepEvent) {
+        let last_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
+        let last_rad = last_rad.filter(|_| !event.cycle.is_first);
+        let turn_rad = last_rad.map_or(0.0, |last| f64::from(event.level_heading_rad) - f64::from(last));
+        self.state.turn_rad = wrap_rad(turn_rad) as f32;
     }
 
     fn apply_plan(&mut self) {
@@ -234,11 +256,18 @@ impl Tracker {
         match &self.recipe.magnetic {
             MagneticRule::Ignore => {}
             MagneticRule::MassCentered(params) => {
-                let last = core::mem::replace(&mut self.state.last_end_strength_ut, event.end_strength_ut);
-                if let (Some(now), Some(last)) = (event.end_strength_ut, last) {
-                    let (particles, weights) = (&mut self.state.particles, &mut self.scratch.weights);
-                    mass_centered::update(params, &self.floor, now - last, particles, weights);
-                }
+                let Scratch { from_x_m, from_y_m, weights, .. } = &mut self.scratch;
+                let departure = Departure { from_x_m, from_y_m, turn_rad: self.state.turn_rad };
+                let TrackerState { last_observed, particles, .. } = &mut self.state;
+                mass_centered::weigh(
+                    params,
+                    &self.floor,
+                    event,
+                    departure,
+                    last_observed,
+                    particles,
+                    weights,
+                );
             }
             MagneticRule::FieldVector(params) => {
                 if event.field_bias_reset {
@@ -338,6 +367,26 @@ mod tests {
             field_bias_reset: false,
             attitude: crate::attitude::AttitudeEstimate::default(),
         }
+    }
+
+    #[test]
+    fn a_turn_shortens_the_step_that_it_falls_in() {
+        let lengths_m = |turn_rad: f32, is_first: bool| {
+            let mut tracker = Tracker::new(Recipe::mass_centered(), Arc::new(slope()), 1);
+            tracker.place(Point2::new(20.0, 10.0), 2.0);
+            tracker.step(&step(0), &[]);
+            let mut turned = step(1);
+            turned.level_heading_rad += turn_rad;
+            turned.cycle.is_first = is_first;
+            tracker.step(&turned, &[]);
+            tracker.step_length_m()
+        };
+        // Equation 14: sin((π − π/2)/2) = sin 45°.
+        assert!(
+            (lengths_m(core::f32::consts::FRAC_PI_2, false) / lengths_m(0.0, false) - 0.5f64.sqrt()).abs()
+                < 1e-4
+        );
+        assert_eq!(lengths_m(core::f32::consts::FRAC_PI_2, true), lengths_m(0.0, true));
     }
 
     #[test]
