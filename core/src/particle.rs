@@ -1,8 +1,10 @@
 //! Particles: structure-of-arrays state, resampling, and the estimate that they stand for.
 
 mod estimate;
+mod resampling;
 
 pub use estimate::{CloudEstimate, EstimateScratch};
+pub use resampling::{ResampleScratch, Resampling};
 
 use serde::{Deserialize, Serialize};
 
@@ -118,20 +120,6 @@ fn null_as_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<
     Ok(values.into_iter().map(|value| value.unwrap_or(f32::NAN)).collect())
 }
 
-/// Memory that one step needs and the next does not remember.
-#[derive(Clone, Debug, Default)]
-pub struct ResampleScratch {
-    ancestors: Vec<u32>,
-    gathered: Vec<f32>,
-}
-
-impl ResampleScratch {
-    /// Room for `n` particles with histories of `window` terms.
-    pub fn with_capacity(n: usize, window: usize) -> Self {
-        Self { ancestors: Vec::with_capacity(n), gathered: Vec::with_capacity(n * window.max(1)) }
-    }
-}
-
 impl Particles {
     /// Number of particles.
     pub fn len(&self) -> usize {
@@ -150,94 +138,5 @@ impl Particles {
 
     fn arrays_mut(&mut self) -> impl Iterator<Item = (Part, &mut Vec<f32>)> {
         arrays!(self).into_iter()
-    }
-
-    /// Replaces the particles by a systematic sample of `weights` (not necessarily normalised), offset `u` in [0, 1).
-    ///
-    /// All log weights become 0. Does nothing when the weights sum to zero.
-    pub fn resample_systematic(&mut self, weights: &[f32], u: f32, scratch: &mut ResampleScratch) {
-        let n = self.len();
-        let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-        if n == 0 || weights.len() != n || !(total > 0.0 && total.is_finite()) {
-            return;
-        }
-        let step = total / n as f64;
-        scratch.ancestors.clear();
-        let (mut ancestor, mut reached) = (0, f64::from(weights[0]));
-        for k in 0..n {
-            let target = step * (k as f64 + f64::from(u));
-            while reached < target && ancestor + 1 < n {
-                ancestor += 1;
-                reached += f64::from(weights[ancestor]);
-            }
-            scratch.ancestors.push(ancestor as u32);
-        }
-        for (_, array) in self.arrays_mut() {
-            gather(array, n, scratch);
-        }
-        self.log_weight.fill(0.0);
-    }
-}
-
-fn gather(array: &mut [f32], n: usize, scratch: &mut ResampleScratch) {
-    let block = array.len() / n;
-    match block {
-        0 => return,
-        1 => {
-            scratch.gathered.clear();
-            scratch.gathered.extend(scratch.ancestors.iter().map(|&a| array[a as usize]));
-        }
-        _ => {
-            scratch.gathered.clear();
-            for &a in &scratch.ancestors {
-                scratch.gathered.extend_from_slice(&array[a as usize * block..(a as usize + 1) * block]);
-            }
-        }
-    }
-    array.copy_from_slice(&scratch.gathered);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn cloud(n: usize) -> Particles {
-        Particles {
-            x_m: (0..n).map(|i| i as f32).collect(),
-            y_m: vec![0.0; n],
-            delta_errors_ut: (0..3 * n).map(|i| i as f32).collect(),
-            log_weight: vec![-1.0; n],
-            ..Particles::default()
-        }
-    }
-
-    #[test]
-    fn systematic_resampling_by_hand() {
-        let mut particles = cloud(4);
-        let mut scratch = ResampleScratch::with_capacity(4, 3);
-        // Cumulative 0.1, 0.1, 0.6, 1.0 against targets 0.125, 0.375, 0.625, 0.875.
-        particles.resample_systematic(&[0.1, 0.0, 0.5, 0.4], 0.5, &mut scratch);
-        assert_eq!(particles.x_m, [2.0, 2.0, 3.0, 3.0]);
-        assert_eq!(particles.delta_errors_ut[..6], [6.0, 7.0, 8.0, 6.0, 7.0, 8.0]);
-        assert_eq!(particles.log_weight, [0.0; 4]);
-    }
-
-    proptest! {
-        #[test]
-        fn copies_stay_within_one_of_their_share(
-            weights in proptest::collection::vec(0.0f32..1.0, 2..40), u in 0.0f32..1.0,
-        ) {
-            let n = weights.len();
-            let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-            prop_assume!(total > 1e-3);
-            let mut particles = cloud(n);
-            particles.resample_systematic(&weights, u, &mut ResampleScratch::default());
-            for (i, &weight) in weights.iter().enumerate() {
-                let copies = particles.x_m.iter().filter(|&&x| x == i as f32).count() as f64;
-                let share = n as f64 * f64::from(weight) / total;
-                prop_assert!((copies - share).abs() <= 1.0 + 1e-4);
-            }
-        }
     }
 }

@@ -10,6 +10,7 @@ use crate::front_end::FrontEndRule;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
+use crate::particle::Resampling;
 use crate::step::StepLengthModel;
 
 /// A positioning system: which parts run and how they are tuned.
@@ -39,6 +40,9 @@ pub struct Recipe {
     pub radio: Option<RadioParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
+    /// How copies are drawn then.
+    #[serde(default)]
+    pub resampling: Resampling,
     /// How the stated radii follow from the cloud.
     pub accuracy: AccuracyParams,
 }

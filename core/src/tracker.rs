@@ -321,8 +321,10 @@ impl Tracker {
             .estimate
             .is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
         if is_degenerate || self.recipe.resample_below >= 1.0 {
-            let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
-            self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+            let (seed, step) = (self.seed, self.state.n_steps);
+            let bits = |k| draw(seed, step, k, Purpose::Resampling)[0];
+            let Scratch { weights, resample, .. } = &mut self.scratch;
+            self.state.particles.resample(self.recipe.resampling, weights, bits, resample);
         } else if matches!(self.recipe.magnetic, MagneticRule::MassCentered(_)) {
             // Its weights are not in the log weights yet, which alone are kept.
             for (log_weight, weight) in self.state.particles.log_weight.iter_mut().zip(&self.scratch.weights)
