@@ -3,6 +3,7 @@
 mod dead_reckoning;
 mod fused;
 mod mass_centered;
+mod radar;
 
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,7 @@ use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
 use crate::particle::Resampling;
+use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
 /// A positioning system: which parts run and how they are tuned.
@@ -38,6 +40,9 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
+    #[serde(default)]
+    pub radar: Option<FingerprintParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
     /// How copies are drawn then.
@@ -216,6 +221,7 @@ macro_rules! systems {
 
 systems! {
     "dead-reckoning" => Recipe::dead_reckoning,
+    "radar" => Recipe::radar,
     "mass-centered" => Recipe::mass_centered,
     "fused" => Recipe::fused,
 }

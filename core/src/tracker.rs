@@ -1,6 +1,7 @@
 //! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
 
 mod motion;
+mod radar;
 mod start;
 
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use crate::observation::radio::RadioObservation;
 use crate::observation::{field_vector, mass_centered, radio};
 use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
 use crate::pedestrian::StepEvent;
+use crate::radio::fingerprint::FingerprintMatcher;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
 use crate::time::Timestamp;
@@ -39,6 +41,8 @@ pub struct TrackerState {
     turn_rad: f32,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// When a radio fingerprint was last matched.
+    matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
     estimate: Option<CloudEstimate>,
 }
@@ -62,6 +66,7 @@ struct Scratch {
     weights: Vec<f32>,
     resample: ResampleScratch,
     estimate: EstimateScratch,
+    matcher: FingerprintMatcher,
 }
 
 impl Tracker {
@@ -78,6 +83,10 @@ impl Tracker {
             weights: Vec::with_capacity(n),
             resample: ResampleScratch::with_capacity(n, window),
             estimate: EstimateScratch::default(),
+            matcher: match recipe.radar {
+                Some(_) => FingerprintMatcher::new(&floor.map().fingerprints),
+                None => FingerprintMatcher::default(),
+            },
         };
         let normal = NormalTable::new();
         Self { recipe, floor, seed, normal, state: TrackerState::default(), scratch }
@@ -168,6 +177,9 @@ impl Tracker {
 
     /// Consumes a step and what radio was heard during it.
     pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        if self.recipe.radar.is_some() {
+            return;
+        }
         if !self.state.is_placed {
             if self.recipe.radio.is_some() && self.waits_for_radio(radio) {
                 return;
@@ -200,12 +212,12 @@ impl Tracker {
 
     /// Whether this recipe wants to know once a second what radio was heard.
     pub fn uses_radio_rounds(&self) -> bool {
-        false
+        self.recipe.radar.is_some()
     }
 
     /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
-    pub fn hear(&mut self, _now: Timestamp, _radio: &[RadioObservation]) -> bool {
-        false
+    pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
+        self.match_fingerprint(now, radio)
     }
 
     /// Remembers how far the body turned since the step before; not at all in the first step of a walk.

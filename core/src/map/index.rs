@@ -2,7 +2,7 @@
 
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment};
-use crate::map::{FloorMap, GridFrame, Layers};
+use crate::map::{Fingerprints, FloorMap, GridFrame, Layers};
 
 /// How finely the plan is rasterised, in metres: half a shoulder's width.
 const PLAN_CELL_M: f64 = 0.25;
@@ -46,13 +46,17 @@ struct GridLookup {
 }
 
 impl FloorIndex {
-    /// Prepares `map`; layers that are missing or of a wrong size read as unknown.
+    /// Prepares `map`; layers that are missing or of a wrong size read as unknown, fingerprints that do not fit the
+    /// transmitters as none.
     pub fn new(mut map: FloorMap) -> Self {
         let n = map.frame.len();
         for (name, _) in Layers::default().named() {
             if let Some(layer) = map.layers.named_mut(name).filter(|layer| layer.len() != n) {
                 layer.clear();
             }
+        }
+        if !map.fingerprints.is_sound(map.transmitters.len()) {
+            map.fingerprints = Fingerprints::default();
         }
         let layer = |values: &[f32], node: usize| values.get(node).copied().unwrap_or(f32::NAN);
         let field = (0..n)

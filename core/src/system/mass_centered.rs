@@ -39,6 +39,7 @@ impl Recipe {
             routes: None,
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
             radio: None,
+            radar: None,
             resample_below: 1.0,
             resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },

@@ -41,6 +41,11 @@ fn recipes() -> Vec<Recipe> {
     Recipe::NAMES.iter().map(|name| Recipe::named(name).unwrap()).collect()
 }
 
+/// Those that follow steps: RADAR rests on radio alone.
+fn followers() -> impl Iterator<Item = Recipe> {
+    recipes().into_iter().filter(|recipe| recipe.radar.is_none())
+}
+
 fn hint() -> PositionHint {
     WORLD.walk.hint(Point2::new(0.3, 0.2)).unwrap()
 }
