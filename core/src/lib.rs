@@ -35,6 +35,7 @@
 
 pub mod attitude;
 pub mod calibration;
+pub mod card;
 pub mod floor_plan;
 pub mod front_end;
 pub mod geometry;

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 pub use fix::{Fix, Mode};
 
+use crate::card::CardCounts;
 use crate::front_end::FrontEnd;
 use crate::geometry::{Point2, wrap_rad};
 use crate::map::FloorIndex;
@@ -245,6 +246,11 @@ impl Positioner {
         self.reorder.rejections()
     }
 
+    /// What became of a card's frames; nothing where none are read.
+    pub fn card_counts(&self) -> Option<CardCounts> {
+        self.front_end.card_counts()
+    }
+
     /// Times that every particle died and the cloud was spread anew.
     pub fn n_recoveries(&self) -> u32 {
         self.tracker.n_recoveries()
@@ -291,11 +297,16 @@ impl Positioner {
         if let Reading::Radio(sighting) = sample.reading {
             self.hear(sighting.transmitter, sighting.rssi_dbm);
         }
-        let Some(event) = self.front_end.push(sample) else { return has_moved };
+        let Some(mut event) = self.front_end.push(sample) else { return has_moved };
         observe(&mut self.progress.heard, &mut self.observations);
-        self.tracker.step(&event, &self.observations);
-        self.progress.last_step = Some(event);
-        true
+        loop {
+            self.tracker.step(&event, &self.observations);
+            self.progress.last_step = Some(event);
+            let Some(next) = self.front_end.pop() else { return true };
+            // What was heard belongs to the first alone.
+            self.observations.clear();
+            event = next;
+        }
     }
 
     /// Hands what was heard to the tracker when `now` lies a round after the open one's start; silence too.

@@ -8,12 +8,15 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::front_end::FrontEndRule;
 use crate::geometry::{Point2, wrap_rad};
+use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
+use crate::observation::history::{DeviceHistory, HistoryScratch};
 use crate::observation::mass_centered::Departure;
 use crate::observation::radio::RadioObservation;
-use crate::observation::{field_vector, mass_centered, radio};
-use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
+use crate::observation::{field_vector, history, mass_centered, radio};
+use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch};
 use crate::pedestrian::StepEvent;
 use crate::radio::fingerprint::FingerprintMatcher;
 use crate::random::{NormalTable, Purpose, draw, uniform};
@@ -39,6 +42,8 @@ pub struct TrackerState {
     /// Heading of the latest step's device, and how far it turned since the step before: what Eq. 14 asks for.
     last_level_heading_rad: Option<f32>,
     turn_rad: f32,
+    /// What the device has read lately, where histories are compared.
+    history: DeviceHistory,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
     /// When a radio fingerprint was last matched.
@@ -52,6 +57,8 @@ pub struct TrackerState {
 pub struct Tracker {
     recipe: Recipe,
     floor: Arc<FloorIndex>,
+    /// The ways of the floor, for a recipe whose particles follow them.
+    ways: Option<WayGrid>,
     seed: u64,
     normal: NormalTable,
     state: TrackerState,
@@ -67,6 +74,8 @@ struct Scratch {
     resample: ResampleScratch,
     estimate: EstimateScratch,
     matcher: FingerprintMatcher,
+    history: HistoryScratch,
+    replenish: ReplenishScratch,
 }
 
 impl Tracker {
@@ -75,7 +84,16 @@ impl Tracker {
         let n = recipe.n_particles.max(1);
         let window = match recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
+            MagneticRule::History(params) => params.n_values(),
             _ => 1,
+        };
+        let n_slots = if let MagneticRule::History(params) = recipe.magnetic { params.n_slots() } else { 0 };
+        let ways = match recipe.motion.heading {
+            HeadingRule::Pathway(params) => {
+                let plan = &floor.map().plan;
+                Some(WayGrid::new(&Pathways::of_map(floor.map()), params, plan.width_m, plan.height_m))
+            }
+            _ => None,
         };
         let scratch = Scratch {
             from_x_m: Vec::with_capacity(n),
@@ -87,9 +105,11 @@ impl Tracker {
                 Some(_) => FingerprintMatcher::new(&floor.map().fingerprints),
                 None => FingerprintMatcher::default(),
             },
+            history: HistoryScratch::with_capacity(n_slots),
+            replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
         };
         let normal = NormalTable::new();
-        Self { recipe, floor, seed, normal, state: TrackerState::default(), scratch }
+        Self { recipe, floor, ways, seed, normal, state: TrackerState::default(), scratch }
     }
 
     /// The recipe that runs.
@@ -116,15 +136,20 @@ impl Tracker {
     pub fn fits(&self, state: &TrackerState) -> bool {
         let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
         let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
+        let is_scaled = matches!(self.recipe.motion.length, LengthRule::Scaled { .. });
         let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
         let (window, has_direction) = match self.recipe.magnetic {
             MagneticRule::MassCentered(params) => (params.window.max(1), params.direction.is_some()),
             _ => (0, false),
         };
+        let (n_values, n_slots) = match self.recipe.magnetic {
+            MagneticRule::History(params) => (params.n_values(), params.n_slots()),
+            _ => (0, 0),
+        };
         let a_particle = |part| match part {
             Part::Always => 1,
             Part::Gyroscope => usize::from(has_gyroscope && state.is_oriented),
-            Part::ScaledLength => usize::from(!is_genetic),
+            Part::ScaledLength => usize::from(is_scaled),
             Part::GeneticLength => usize::from(is_genetic),
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
@@ -137,8 +162,11 @@ impl Tracker {
                     0
                 }
             }
+            Part::History => usize::from(n_values > 0),
+            Part::HistoryWindow => n_values,
         };
-        state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
+        state.history.fits(n_slots)
+            && state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
     }
 
     /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.
@@ -206,6 +234,7 @@ impl Tracker {
         if !self.weigh() {
             self.recover();
         }
+        self.replenish();
         self.estimate_cloud();
         self.resample();
     }
@@ -289,7 +318,23 @@ impl Tracker {
                     field_vector::update(params, &self.floor, field, &mut self.state.particles);
                 }
             }
+            MagneticRule::History(params) if event.cycle.is_first && self.is_card() => {
+                // The way between was not heard of.
+                history::forget(params, &mut self.state.history, &mut self.state.particles);
+            }
+            // Who stands reads the same again: half a minute of that would wipe the history out.
+            MagneticRule::History(_) if event.n_steps == 0 => {}
+            MagneticRule::History(params) => {
+                let Scratch { from_x_m, from_y_m, history: scratch, .. } = &mut self.scratch;
+                let (device, particles) = (&mut self.state.history, &mut self.state.particles);
+                let from_m = [&**from_x_m, &**from_y_m];
+                history::update(params, &self.floor, &event.reads, from_m, device, particles, scratch);
+            }
         }
+    }
+
+    fn is_card(&self) -> bool {
+        self.recipe.front_end == FrontEndRule::Card
     }
 
     /// Lets every particle weigh the same, whatever its log weight.
@@ -317,6 +362,19 @@ impl Tracker {
         is_alive
     }
 
+    /// Lets who weighs too little die, and newcomers take the places of the dead.
+    fn replenish(&mut self) {
+        let Some(params) = &self.recipe.replenish else { return };
+        let (seed, step) = (self.seed, self.state.n_steps);
+        let minds_walls = self.recipe.plan != PlanRule::Ignore;
+        let may_stand = |from_m: [f32; 2], to_m: [f32; 2]| {
+            !minds_walls || (self.floor.is_open(to_m[0], to_m[1]) && !self.floor.is_blocked(from_m, to_m))
+        };
+        let draw = |i| draw(seed, step, i, Purpose::Replenishing);
+        let Scratch { weights, replenish, .. } = &mut self.scratch;
+        self.state.particles.replenish(params, weights, replenish, draw, may_stand);
+    }
+
     fn estimate_cloud(&mut self) {
         if self.state.particles.is_empty() || self.scratch.weights.len() != self.state.particles.len() {
             return;
@@ -337,6 +395,11 @@ impl Tracker {
             let bits = |k| draw(seed, step, k, Purpose::Resampling)[0];
             let Scratch { weights, resample, .. } = &mut self.scratch;
             self.state.particles.resample(self.recipe.resampling, weights, bits, resample);
+            if let MagneticRule::History(params) = &self.recipe.magnetic
+                && !params.counts_once
+            {
+                self.state.particles.history_log_weight.fill(0.0);
+            }
         } else if matches!(self.recipe.magnetic, MagneticRule::MassCentered(_)) {
             // Its weights are not in the log weights yet, which alone are kept.
             for (log_weight, weight) in self.state.particles.log_weight.iter_mut().zip(&self.scratch.weights)

@@ -140,7 +140,10 @@ fn who_stands_stays() {
             }
             let stopped = positioner.fix().unwrap();
             for sample in standing(&walk, 30) {
-                assert_eq!(positioner.push(sample), None, "{name}: a step in standing");
+                let fix = positioner.push(sample);
+                // A card has a round a second, with or without steps.
+                let is_step = fix.is_some_and(|fix| name != "card" || fix.speed_m_s > 0.0);
+                assert!(!is_step, "{name}: a step in standing");
             }
             let stood = positioner.fix().unwrap();
             let moved_m = stood.position.distance_m(stopped.position);

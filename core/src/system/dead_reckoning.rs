@@ -26,6 +26,7 @@ impl Recipe {
             magnetic: MagneticRule::Ignore,
             radio: None,
             radar: None,
+            replenish: None,
             resample_below: 0.0,
             resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },

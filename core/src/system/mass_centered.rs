@@ -40,6 +40,7 @@ impl Recipe {
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
             radio: None,
             radar: None,
+            replenish: None,
             resample_below: 1.0,
             resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },
