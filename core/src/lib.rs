@@ -48,6 +48,7 @@ pub mod observation;
 pub mod particle;
 pub mod pedestrian;
 pub mod positioner;
+pub mod radio;
 pub mod random;
 mod reorder;
 pub mod rotation;

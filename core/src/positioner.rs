@@ -209,6 +209,11 @@ impl Positioner {
             return Err(PositionError::TimeInPast { asked: time, consumed });
         }
         let estimate = self.tracker.estimate().ok_or(PositionError::NoFix)?;
+        // Where radio is all, samples of other sensors keep nothing fresh.
+        let last_known = match self.tracker.last_match() {
+            Some(matched_at) => matched_at.max(self.progress.hint_time),
+            None => last_heard,
+        };
         let turned_rad = self.progress.last_step.map_or(0.0, |step| {
             wrap_rad(f64::from(self.front_end.level_heading_rad()) - f64::from(step.level_heading_rad))
         });
@@ -220,7 +225,7 @@ impl Positioner {
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
             attitude: self.front_end.attitude(),
-            last_heard,
+            last_heard: last_known,
             time,
         }))
     }
@@ -307,6 +312,10 @@ impl Positioner {
     /// Hands what was heard to the tracker when `now` lies a round after the open one's start; silence too.
     fn close_round(&mut self, now: Timestamp) -> bool {
         let start = *self.progress.round_start.get_or_insert(now);
+        if now < start {
+            // The clock was set back: the round begins anew.
+            self.progress.round_start = Some(now);
+        }
         if now - start < RADIO_ROUND {
             return false;
         }

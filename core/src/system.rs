@@ -5,16 +5,19 @@ mod dead_reckoning;
 mod dtw;
 mod fused;
 mod mass_centered;
+mod radar;
 
 use serde::{Deserialize, Serialize};
 
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
+use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
 use crate::particle::ReplenishParams;
+use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
 /// A positioning system: which parts run and how they are tuned.
@@ -42,10 +45,16 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Whether fingerprints say in the beginning where no particle is worth keeping.
+    #[serde(default)]
+    pub ble_filter: Option<BleFilterParams>,
     /// Who dies of too small a weight and how the dead are replaced, before the estimate; without, nobody is until
     /// resampling.
     #[serde(default)]
     pub replenish: Option<ReplenishParams>,
+    /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
+    #[serde(default)]
+    pub radar: Option<FingerprintParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
     /// How the stated radii follow from the cloud.
@@ -241,6 +250,7 @@ systems! {
     "dead-reckoning" => Recipe::dead_reckoning,
     "card" => Recipe::card,
     "dtw" => Recipe::dtw,
+    "radar" => Recipe::radar,
     "mass-centered" => Recipe::mass_centered,
     "fused" => Recipe::fused,
 }

@@ -1,6 +1,7 @@
 //! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
 
 mod motion;
+mod radar;
 mod start;
 
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use crate::observation::radio::RadioObservation;
 use crate::observation::{field_vector, history, mass_centered, radio};
 use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch};
 use crate::pedestrian::StepEvent;
+use crate::radio::fingerprint::FingerprintMatcher;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
 use crate::time::Timestamp;
@@ -39,6 +41,10 @@ pub struct TrackerState {
     history: DeviceHistory,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// The first round after the start.
+    first_round: Option<Timestamp>,
+    /// When a radio fingerprint was last matched.
+    matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
     estimate: Option<CloudEstimate>,
 }
@@ -66,6 +72,7 @@ struct Scratch {
     estimate: EstimateScratch,
     history: HistoryScratch,
     replenish: ReplenishScratch,
+    matcher: FingerprintMatcher,
 }
 
 impl Tracker {
@@ -93,6 +100,11 @@ impl Tracker {
             estimate: EstimateScratch::default(),
             history: HistoryScratch::with_capacity(n_slots),
             replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
+            matcher: if recipe.radar.is_some() || recipe.ble_filter.is_some() {
+                FingerprintMatcher::new(&floor.map().fingerprints)
+            } else {
+                FingerprintMatcher::default()
+            },
         };
         let normal = NormalTable::new();
         Self { recipe, floor, ways, seed, normal, state: TrackerState::default(), scratch }
@@ -142,6 +154,7 @@ impl Tracker {
             Part::MassCenteredWindow => window,
             Part::History => usize::from(n_values > 0),
             Part::HistoryWindow => n_values,
+            Part::BleFilter => usize::from(self.recipe.ble_filter.is_some()),
         };
         state.history.fits(n_slots)
             && state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
@@ -183,6 +196,9 @@ impl Tracker {
 
     /// Consumes a step and what radio was heard during it.
     pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        if self.recipe.radar.is_some() {
+            return;
+        }
         if !self.state.is_placed {
             if self.recipe.radio.is_some() && self.waits_for_radio(radio) {
                 return;
@@ -205,6 +221,7 @@ impl Tracker {
             let transmitters = &self.floor.map().transmitters;
             radio::update(params, transmitters, radio, is_wide, &mut self.state.particles);
         }
+        self.filter_start(event, radio);
         if !self.weigh() {
             self.recover();
         }
@@ -215,12 +232,12 @@ impl Tracker {
 
     /// Whether this recipe wants to know once a second what radio was heard.
     pub fn uses_radio_rounds(&self) -> bool {
-        false
+        self.recipe.radar.is_some()
     }
 
     /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
-    pub fn hear(&mut self, _now: Timestamp, _radio: &[RadioObservation]) -> bool {
-        false
+    pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
+        self.match_fingerprint(now, radio)
     }
 
     fn apply_plan(&mut self) {

@@ -4,7 +4,7 @@ mod reads;
 
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment};
-use crate::map::{FloorMap, GridFrame, Layers};
+use crate::map::{Fingerprints, FloorMap, GridFrame, Layers};
 
 use reads::ReadGrid;
 
@@ -53,13 +53,17 @@ struct GridLookup {
 }
 
 impl FloorIndex {
-    /// Prepares `map`; layers that are missing or of a wrong size read as unknown.
+    /// Prepares `map`; layers that are missing or of a wrong size read as unknown, fingerprints that do not fit the
+    /// transmitters as none.
     pub fn new(mut map: FloorMap) -> Self {
         let n = map.frame.len();
         for (name, _) in Layers::default().named() {
             if let Some(layer) = map.layers.named_mut(name).filter(|layer| layer.len() != n) {
                 layer.clear();
             }
+        }
+        if !map.fingerprints.is_sound(map.transmitters.len()) {
+            map.fingerprints = Fingerprints::default();
         }
         let layer = |values: &[f32], node: usize| values.get(node).copied().unwrap_or(f32::NAN);
         let field = (0..n)

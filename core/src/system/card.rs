@@ -2,6 +2,7 @@
 
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
+use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
 use crate::particle::ReplenishParams;
 use crate::system::{
@@ -44,6 +45,8 @@ impl Recipe {
                 counts_once: true,
             }),
             radio: None,
+            radar: None,
+            ble_filter: Some(BleFilterParams::default()),
             replenish: Some(ReplenishParams::default()),
             resample_below: 0.0,
             accuracy: AccuracyParams { scale: 2.0, floor_m: 1.5, tail: 1.5 },

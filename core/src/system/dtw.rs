@@ -37,6 +37,8 @@ impl Recipe {
                 counts_once: false,
             }),
             radio: None,
+            radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 0.7,
             accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },

@@ -47,6 +47,11 @@ fn n_fixes(recipe: &Recipe, n_steps: usize) -> usize {
     if recipe.front_end == FrontEndRule::Card { n_steps / 2 } else { n_steps }
 }
 
+/// Those that follow steps: RADAR rests on radio alone.
+fn followers() -> impl Iterator<Item = Recipe> {
+    recipes().into_iter().filter(|recipe| recipe.radar.is_none())
+}
+
 fn hint() -> PositionHint {
     WORLD.walk.hint(Point2::new(0.3, 0.2)).unwrap()
 }

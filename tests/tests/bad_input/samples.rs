@@ -9,7 +9,8 @@ use fieldwalk::time::{Duration, Timestamp};
 use fieldwalk_tests::synthetic::WALK_START;
 
 use crate::{
-    N_SAMPLES, WORLD, fixes, fresh, hint, is_field, n_fixes, no_rejections, placed, recipes, samples,
+    N_SAMPLES, WORLD, fixes, followers, fresh, hint, is_field, n_fixes, no_rejections, placed, recipes,
+    samples,
 };
 
 #[test]
@@ -156,7 +157,7 @@ fn without_a_magnetometer_the_direction_is_unknown_and_the_radius_says_so() {
 
 #[test]
 fn without_an_accelerometer_nobody_steps() {
-    for recipe in recipes() {
+    for recipe in followers() {
         let mut positioner = placed(&recipe);
         let start = positioner.fix().unwrap();
         let fixes = fixes(&mut positioner, without(|reading| matches!(reading, Reading::SpecificForce(_))));
@@ -186,7 +187,7 @@ fn without_any_sensor_only_the_hint_is_known() {
 #[test]
 fn readings_without_a_start_give_no_fix_until_a_step() {
     // A card's first round is a start, whether it holds a step or not.
-    for recipe in recipes().into_iter().filter(|recipe| recipe.front_end != FrontEndRule::Card) {
+    for recipe in followers().filter(|recipe| recipe.front_end != FrontEndRule::Card) {
         let mut positioner = fresh(&recipe);
         // The walker stands for a second and a half first.
         let standing = samples().iter().take_while(|s| s.time < WALK_START + Duration::from_millis(1_300));
