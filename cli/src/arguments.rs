@@ -2,6 +2,7 @@
 
 mod import;
 mod report;
+mod reproduce;
 mod simulate;
 mod values;
 
@@ -16,6 +17,7 @@ use crate::floors::Layout;
 
 pub use import::ImportArguments;
 pub use report::{EvaluationReport, ReportArguments};
+pub use reproduce::{PaperChoice, ReproduceArguments};
 pub use simulate::SimulateArguments;
 pub use values::{ReplayStart, Seeds};
 
@@ -41,6 +43,7 @@ pub enum Command {
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
     Report(ReportArguments),
+    Reproduce(ReproduceArguments),
     Train(TrainArguments),
     Import(ImportArguments),
     Simulate(SimulateArguments),

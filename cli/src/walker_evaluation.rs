@@ -9,4 +9,5 @@ pub mod segments;
 pub mod step_strips;
 pub mod tyrex;
 
+pub use auc::auc;
 pub use row::{ALL, Metric, MetricRow, MetricScores, Plot};
