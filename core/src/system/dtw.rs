@@ -33,7 +33,7 @@ impl Recipe {
                 feature: HistoryFeature::HorizontalVertical,
                 window: 30,
                 reads_a_move: 1,
-                sigma_ut: 15.0,
+                sigma_ut: 17.0,
                 counts_once: false,
             }),
             radio: None,
