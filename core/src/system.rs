@@ -48,13 +48,13 @@ pub struct Recipe {
     /// Whether fingerprints say in the beginning where no particle is worth keeping.
     #[serde(default)]
     pub ble_filter: Option<BleFilterParams>,
+    /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
+    #[serde(default)]
+    pub radar: Option<FingerprintParams>,
     /// Who dies of too small a weight and how the dead are replaced, before the estimate; without, nobody is until
     /// resampling.
     #[serde(default)]
     pub replenish: Option<ReplenishParams>,
-    /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
-    #[serde(default)]
-    pub radar: Option<FingerprintParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
     /// How the stated radii follow from the cloud.
@@ -248,9 +248,9 @@ macro_rules! systems {
 
 systems! {
     "dead-reckoning" => Recipe::dead_reckoning,
+    "radar" => Recipe::radar,
     "card" => Recipe::card,
     "dtw" => Recipe::dtw,
-    "radar" => Recipe::radar,
     "mass-centered" => Recipe::mass_centered,
     "fused" => Recipe::fused,
 }

@@ -42,14 +42,14 @@ fn recipes() -> Vec<Recipe> {
     Recipe::NAMES.iter().map(|name| Recipe::named(name).unwrap()).collect()
 }
 
-/// A card has a fix a second where a phone has one a step.
-fn n_fixes(recipe: &Recipe, n_steps: usize) -> usize {
-    if recipe.front_end == FrontEndRule::Card { n_steps / 2 } else { n_steps }
-}
-
 /// Those that follow steps: RADAR rests on radio alone.
 fn followers() -> impl Iterator<Item = Recipe> {
     recipes().into_iter().filter(|recipe| recipe.radar.is_none())
+}
+
+/// A card has a fix a second where a phone has one a step.
+fn n_fixes(recipe: &Recipe, n_steps: usize) -> usize {
+    if recipe.front_end == FrontEndRule::Card { n_steps / 2 } else { n_steps }
 }
 
 fn hint() -> PositionHint {
