@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
+use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
@@ -44,6 +45,9 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Whether fingerprints say in the beginning where no particle is worth keeping.
+    #[serde(default)]
+    pub ble_filter: Option<BleFilterParams>,
     /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
     #[serde(default)]
     pub radar: Option<FingerprintParams>,

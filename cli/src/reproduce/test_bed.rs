@@ -103,6 +103,75 @@ pub fn ibill_clusters(seed: u64) -> Scenario {
     hall
 }
 
+/// The office of Kwak 2018: 20.5 × 16 m, three rooms, four access points in the corners; steel as usual.
+///
+/// # Source
+/// Extent and rooms are the paper's, its walls ours: [`Building::card_office`].
+pub fn kwak_office(seed: u64) -> Scenario {
+    let building = Building::card_office();
+    let radio = RadioScene::corners(&building, seed);
+    Scenario { radio, ..Scenario::of_building(building, &SteelParams::default(), seed) }
+}
+
+/// Length of a trajectory at least, in metres: about a minute and a quarter at the usual speed.
+const KWAK_TRAJECTORY_M: f64 = 80.0;
+
+/// One of the seven trajectories, 0 to 6, the same in every office.
+///
+/// # Source
+/// The paper draws them in a small picture; these are walks by chance along the rooms' lanes.
+pub fn kwak_trajectory(office: &Scenario, trajectory: usize) -> Vec<Point2> {
+    office.building.ways.wander(7_000 + trajectory as u64, KWAK_TRAJECTORY_M)
+}
+
+/// Heights of the three testers, in metres.
+///
+/// # Source
+/// Ours: the paper says that they differ.
+pub const KWAK_HEIGHTS_M: [f64; 3] = [1.62, 1.72, 1.82];
+
+/// The speed of five trajectories, in m/s.
+///
+/// # Source
+/// Kwak 2018, §6.2: 1.0 to 1.1 m/s.
+pub const KWAK_USUAL_M_S: f64 = 1.05;
+
+/// A walk of Kwak 2018.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KwakWalk {
+    /// The trajectory's number.
+    pub trajectory: usize,
+    /// How fast it is walked, in m/s.
+    pub speed_m_s: f64,
+    /// Height of the card over the floor, in centimetres.
+    pub card_height_cm: u16,
+    /// Who walks, by the order of [`KWAK_HEIGHTS_M`].
+    pub tester: usize,
+}
+
+/// The walks: two trajectories at three speeds, with the card at three heights, five at the usual speed.
+///
+/// # Source
+/// Kwak 2018, §6.2. Which height goes with which speed is ours.
+pub const KWAK_PACES: [KwakWalk; 11] = {
+    const fn walk(trajectory: usize, speed_m_s: f64, card_height_cm: u16, tester: usize) -> KwakWalk {
+        KwakWalk { trajectory, speed_m_s, card_height_cm, tester }
+    }
+    [
+        walk(0, 0.58, 90, 0),
+        walk(0, 0.91, 110, 1),
+        walk(0, 1.30, 130, 2),
+        walk(1, 0.58, 130, 2),
+        walk(1, 0.91, 90, 0),
+        walk(1, 1.30, 110, 1),
+        walk(2, KWAK_USUAL_M_S, 110, 0),
+        walk(3, KWAK_USUAL_M_S, 110, 1),
+        walk(4, KWAK_USUAL_M_S, 110, 2),
+        walk(5, KWAK_USUAL_M_S, 110, 0),
+        walk(6, KWAK_USUAL_M_S, 110, 1),
+    ]
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,6 +182,17 @@ mod tests {
         for k in 0..4 {
             let (from, to) = (MASS_CENTERED_LOOP[k], MASS_CENTERED_LOOP[(k + 1) % 4]);
             assert!(building.is_clear(from, to) && building.ways.free_m(from, to) > 0.4, "side {k}");
+        }
+    }
+
+    #[test]
+    fn trajectories_are_seven_and_clear() {
+        let office = kwak_office(1);
+        let paths: Vec<_> = (0..7).map(|k| kwak_trajectory(&office, k)).collect();
+        for (k, path) in paths.iter().enumerate() {
+            assert!(path.windows(2).all(|pair| office.building.is_clear(pair[0], pair[1])), "trajectory {k}");
+            assert!(paths[..k].iter().all(|other| other != path), "trajectory {k}");
+            assert_eq!(*path, kwak_trajectory(&kwak_office(2), k));
         }
     }
 
