@@ -124,6 +124,11 @@ impl BuildingMap {
 }
 
 impl BuildingMap {
+    /// The maps of all floors.
+    pub(crate) fn floor_maps(&self) -> impl Iterator<Item = &FloorMap> {
+        self.floors.iter().map(|floor| floor.map())
+    }
+
     /// The floor of that ordinal.
     pub(crate) fn floor(&self, ordinal: i32) -> Result<Arc<FloorIndex>, ApiError> {
         let floor = self.floors.iter().find(|floor| floor.map().ordinal == ordinal);

@@ -27,6 +27,7 @@ mod card;
 mod error;
 mod fix;
 mod floor_drawing;
+mod ibeacons;
 mod missing;
 mod positioner;
 mod recorder;

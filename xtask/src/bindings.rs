@@ -8,13 +8,23 @@ use crate::process::{output_of, run as execute};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
 
-/// A language for which sources are generated; its public declarations are those of `bindings/NAME/surface.txt`, no more
-/// and no less.
+/// A language for which sources are generated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Language(&'static str);
+pub struct Language {
+    name: &'static str,
+    /// Its public declarations, no more and no less.
+    surface: &'static str,
+    /// Where in the repository its sources are made, ignored by git; otherwise they are made in the build folder.
+    package: Option<&'static str>,
+}
 
-pub const KOTLIN: Language = Language("kotlin");
-pub const PYTHON: Language = Language("python");
+pub const KOTLIN: Language =
+    Language { name: "kotlin", surface: "bindings/kotlin/surface.txt", package: None };
+pub const PYTHON: Language =
+    Language { name: "python", surface: "bindings/python/surface.txt", package: None };
+/// A Swift package compiles nothing that lies outside of it.
+pub const SWIFT: Language =
+    Language { name: "swift", surface: "ios/surface.txt", package: Some("ios/Sources/Fieldwalk/Generated") };
 
 pub fn run(workspace: &Workspace) -> Outcome {
     let tested =
@@ -23,9 +33,9 @@ pub fn run(workspace: &Workspace) -> Outcome {
         return Err(reason).into();
     }
     let mut failures = Vec::new();
-    for language in [KOTLIN, PYTHON] {
+    for language in [KOTLIN, SWIFT, PYTHON] {
         match generate(workspace, language) {
-            Ok(sources) => eprintln!("{}: {}", language.0, sources.display()),
+            Ok(sources) => eprintln!("{}: {}", language.name, sources.display()),
             Err(reason) => failures.push(reason),
         }
     }
@@ -49,10 +59,11 @@ pub fn library(workspace: &Workspace) -> PathBuf {
 /// When something does not build, or when the public surface has changed.
 pub fn generate(workspace: &Workspace, language: Language) -> Result<PathBuf, String> {
     execute(&mut workspace.cargo("build --quiet --package fieldwalk-ffi --lib"))?;
-    let Language(name) = language;
-    let sources = folder(workspace).join(name);
+    let Language { name, surface, package } = language;
+    let sources =
+        package.map_or_else(|| folder(workspace).join(name), |package| workspace.root.join(package));
     let mut generator = workspace.cargo("run --quiet --profile generator --package fieldwalk-bindgen --");
-    generator.arg(name).arg(library(workspace)).arg(&sources).arg(format!("bindings/{name}/surface.txt"));
+    generator.arg(name).arg(library(workspace)).arg(&sources).arg(surface);
     execute(&mut generator)?;
     Ok(sources)
 }

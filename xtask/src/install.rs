@@ -6,6 +6,7 @@ use std::process::Command;
 use crate::aarch64::{self, TARGET};
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
+use crate::swift_toolchain;
 use crate::workspace::Workspace;
 use crate::{kotlin, python};
 
@@ -62,6 +63,12 @@ const TOOLS: &[Tool] = &[
         purpose: "stage kotlin",
         is_present: || find_program("mvn").is_some(),
         packages: &["maven"],
+    },
+    Tool {
+        name: "debootstrap",
+        purpose: "Debian's Swift, stage swift",
+        is_present: || find_program("debootstrap").is_some() || !swift_toolchain::needs_debootstrap(),
+        packages: &["debootstrap"],
     },
     Tool {
         name: "python3 with venv",

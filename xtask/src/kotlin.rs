@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::bindings;
 use crate::process::{find_program, run_into};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
+use crate::{bindings, readme_example};
 
 /// How Maven says that it cannot reach a repository; a test that fails says none of these.
 const OFFLINE: [&str; 4] = [
@@ -68,19 +68,6 @@ pub fn has_jdk() -> bool {
 
 /// The README's example as a source; gives the folder of the simulated walk.
 fn prepare(workspace: &Workspace, folder: &Path) -> Result<PathBuf, String> {
-    let walk = bindings::walk(workspace)?;
-    let example = readme_example(&workspace.root)?;
-    let readme = folder.join("readme");
-    fs::create_dir_all(&readme)
-        .and_then(|()| fs::write(readme.join("Readme.kt"), example))
-        .map_err(|error| format!("{}: {error}", folder.display()))?;
-    Ok(walk)
-}
-
-/// The Kotlin example of README.md as a source.
-fn readme_example(root: &Path) -> Result<String, String> {
-    let text = fs::read_to_string(root.join("README.md")).map_err(|error| format!("README.md: {error}"))?;
-    let example = text.split_once("```kotlin\n").and_then(|(_, rest)| rest.split_once("```"));
-    let (example, _) = example.ok_or("README.md has no example in Kotlin")?;
-    Ok(format!("{README_HEAD}{example}"))
+    readme_example::write(&workspace.root, "kotlin", README_HEAD, &folder.join("readme/Readme.kt"))?;
+    bindings::walk(workspace)
 }

@@ -8,8 +8,11 @@ mod install;
 mod kotlin;
 mod process;
 mod python;
+mod readme_example;
 mod report;
 mod stages;
+mod swift;
+mod swift_toolchain;
 mod tidy;
 mod workspace;
 
