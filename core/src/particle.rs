@@ -65,7 +65,10 @@ pub struct Particles {
     pub history_ut: Vec<f32>,
     /// What the history added to the log weight at the last round.
     pub history_log_weight: Vec<f32>,
-    /// Natural logarithm of the weight; the largest is 0 after normalisation.
+    /// Rounds in a row that the particle has been far from the matched radio fingerprint.
+    pub n_rounds_outside: Vec<f32>,
+    /// Natural logarithm of the weight; the largest is 0 after normalisation, and −∞ that of the dead.
+    #[serde(deserialize_with = "null_as_dead")]
     pub log_weight: Vec<f32>,
 }
 
@@ -94,6 +97,8 @@ pub(crate) enum Part {
     History,
     /// The weight by histories: as many values a particle as its history has.
     HistoryWindow,
+    /// The filter of a start by radio fingerprints.
+    BleFilter,
 }
 
 /// The arrays of `Particles` with their parts, borrowed as the argument is.
@@ -120,6 +125,7 @@ macro_rules! arrays {
             polar_errors_rad: FieldDirectionWindow,
             history_ut: HistoryWindow,
             history_log_weight: History,
+            n_rounds_outside: BleFilter,
             log_weight: Always,
         })
     };
@@ -131,8 +137,21 @@ macro_rules! arrays {
 
 /// JSON has no NaN: it writes null.
 fn null_as_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<f32>, D::Error> {
+    null_as(f32::NAN, deserializer)
+}
+
+/// Nor has it −∞.
+fn null_as_dead<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Vec<f32>, D::Error> {
+    null_as(f32::NEG_INFINITY, deserializer)
+}
+
+/// Formats for machines write every number as it is.
+fn null_as<'de, D: serde::Deserializer<'de>>(null: f32, deserializer: D) -> Result<Vec<f32>, D::Error> {
+    if !deserializer.is_human_readable() {
+        return Vec::deserialize(deserializer);
+    }
     let values = Vec::<Option<f32>>::deserialize(deserializer)?;
-    Ok(values.into_iter().map(|value| value.unwrap_or(f32::NAN)).collect())
+    Ok(values.into_iter().map(|value| value.unwrap_or(null)).collect())
 }
 
 impl Particles {

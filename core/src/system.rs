@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
+use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::candidates::CandidateParams;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::history::HistoryParams;
@@ -48,6 +49,9 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Whether fingerprints say in the beginning where no particle is worth keeping.
+    #[serde(default)]
+    pub ble_filter: Option<BleFilterParams>,
     /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
     #[serde(default)]
     pub radar: Option<FingerprintParams>,
@@ -274,9 +278,13 @@ systems! {
 }
 
 impl Recipe {
-    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses.
+    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses; RADAR has no use for
+    /// them and stays as it is.
     #[must_use]
     pub fn with_plan(self) -> Self {
+        if self.radar.is_some() {
+            return self;
+        }
         let Self { plan, routes, .. } = Self::fused();
         Self { plan, routes, ..self }
     }

@@ -55,6 +55,8 @@ pub struct TrackerState {
     search: Option<SearchArea>,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// The first round after the start.
+    first_round: Option<Timestamp>,
     /// When a radio fingerprint was last matched.
     matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
@@ -83,9 +85,9 @@ struct Scratch {
     resample: ResampleScratch,
     estimate: EstimateScratch,
     candidates: CandidateScratch,
-    matcher: FingerprintMatcher,
     history: HistoryScratch,
     replenish: ReplenishScratch,
+    matcher: FingerprintMatcher,
 }
 
 impl Tracker {
@@ -115,12 +117,13 @@ impl Tracker {
                 MagneticRule::Candidates(_) => CandidateScratch::with_capacity(n),
                 _ => CandidateScratch::default(),
             },
-            matcher: match recipe.radar {
-                Some(_) => FingerprintMatcher::new(&floor.map().fingerprints),
-                None => FingerprintMatcher::default(),
-            },
             history: HistoryScratch::with_capacity(n_slots),
             replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
+            matcher: if recipe.radar.is_some() || recipe.ble_filter.is_some() {
+                FingerprintMatcher::new(&floor.map().fingerprints)
+            } else {
+                FingerprintMatcher::default()
+            },
         };
         let normal = NormalTable::new();
         Self { recipe, floor, ways, seed, normal, state: TrackerState::default(), scratch }
@@ -178,6 +181,7 @@ impl Tracker {
             }
             Part::History => usize::from(n_values > 0),
             Part::HistoryWindow => n_values,
+            Part::BleFilter => usize::from(self.recipe.ble_filter.is_some()),
         };
         state.history.fits(n_slots)
             && state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
@@ -249,6 +253,7 @@ impl Tracker {
             let transmitters = &self.floor.map().transmitters;
             radio::update(params, transmitters, radio, is_wide, &mut self.state.particles);
         }
+        self.filter_start(event, radio);
         if !self.weigh() {
             self.recover();
         }

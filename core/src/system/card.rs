@@ -2,6 +2,7 @@
 
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
+use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
 use crate::particle::{ReplenishParams, Resampling};
 use crate::system::{
@@ -45,6 +46,7 @@ impl Recipe {
             }),
             radio: None,
             radar: None,
+            ble_filter: Some(BleFilterParams::default()),
             replenish: Some(ReplenishParams::default()),
             resample_below: 0.0,
             resampling: Resampling::Systematic,

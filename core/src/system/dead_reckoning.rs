@@ -26,6 +26,7 @@ impl Recipe {
             magnetic: MagneticRule::Ignore,
             radio: None,
             radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 0.0,
             resampling: Resampling::Systematic,

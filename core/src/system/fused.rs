@@ -34,6 +34,7 @@ impl Recipe {
             magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
             radio: Some(RadioParams::default()),
             radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 0.7,
             resampling: Resampling::Systematic,

@@ -40,6 +40,7 @@ impl Recipe {
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
             radio: None,
             radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 1.0,
             resampling: Resampling::Systematic,

@@ -74,6 +74,7 @@ impl Recipe {
             magnetic: MagneticRule::Strength(StrengthParams::default()),
             radio: None,
             radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 1.0,
             resampling: Resampling::Systematic,

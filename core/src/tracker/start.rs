@@ -81,6 +81,10 @@ impl Tracker {
                 self.state.history.start_anew(params);
             }
         }
+        if self.recipe.ble_filter.is_some() {
+            particles.n_rounds_outside = vec![0.0; n];
+            self.state.first_round = None;
+        }
         if let Some(routes) = self.recipe.routes {
             let densities = &self.floor.map().layers.route_density;
             for i in 0..n {
