@@ -92,6 +92,8 @@ pub enum Dataset {
     OxfordSteps,
     /// The attitude benchmark of Tyrex: attitude and heading.
     Tyrex,
+    /// UJIIndoorLoc-Mag: whole systems, in metres; its lines survey, its other walks test.
+    UjiMag,
 }
 
 /// Build a building's map from surveyed floors.

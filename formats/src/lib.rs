@@ -14,6 +14,7 @@ pub mod oxford_steps;
 pub mod recording;
 pub mod sensor_logger;
 pub mod tyrex;
+pub mod uji_mag;
 
 mod text_lines;
 mod transmitter_id;
