@@ -36,6 +36,7 @@
 pub mod attitude;
 pub mod calibration;
 pub mod floor_plan;
+pub mod front_end;
 pub mod geometry;
 pub mod gravity;
 pub mod heading;

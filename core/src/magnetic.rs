@@ -1,3 +1,4 @@
 //! The magnetic field as a place's mark.
 
 pub mod feature;
+pub mod trace;

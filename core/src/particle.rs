@@ -123,12 +123,12 @@ impl Particles {
     }
 
     /// Every array with what it belongs to.
-    pub(crate) fn arrays(&self) -> [(Part, &Vec<f32>); 15] {
-        arrays!(self)
+    pub(crate) fn arrays(&self) -> impl Iterator<Item = (Part, &Vec<f32>)> {
+        arrays!(self).into_iter()
     }
 
-    fn arrays_mut(&mut self) -> [(Part, &mut Vec<f32>); 15] {
-        arrays!(self)
+    fn arrays_mut(&mut self) -> impl Iterator<Item = (Part, &mut Vec<f32>)> {
+        arrays!(self).into_iter()
     }
 
     /// Replaces the particles by a systematic sample of `weights` (not necessarily normalised), offset `u` in [0, 1).

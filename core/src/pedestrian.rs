@@ -5,16 +5,19 @@ use serde::{Deserialize, Serialize};
 use crate::attitude::{AttitudeDetector, AttitudeEstimate, AttitudeParams, Stride};
 use crate::calibration::{FieldJumpDetector, FieldJumpParams};
 use crate::gravity::{LevelEstimator, LevelParams};
-use crate::magnetic::feature::LevelField;
+use crate::magnetic::feature::{FieldRead, LevelField};
+use crate::magnetic::trace::FieldTrace;
 use crate::sensor::{Reading, Sample};
 use crate::step::{PhoneStepDetector, PhoneStepParams, StepCycle, StepDetector as _, StepQueue};
 use crate::time::Timestamp;
 
-/// A step with all that the sensors said during it.
+/// A step, or the round of a card, with all that the sensors said during it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepEvent {
     /// When, how fast, how strong.
     pub cycle: StepCycle,
+    /// Steps made: 1 on a phone, 0 to 3 in a card's round.
+    pub n_steps: u8,
     /// Mean heading of the device's forward axis, in the level frame, in radians.
     pub level_heading_rad: f32,
     /// Mean field in the forward frame (x right of the device's forward axis, y along it, z up); nothing without a
@@ -22,6 +25,8 @@ pub struct StepEvent {
     pub forward_field: Option<LevelField>,
     /// Field strength at the end of the step (smoothed over about 0.1 s), in µT; nothing without a magnetometer.
     pub end_strength_ut: Option<f32>,
+    /// The field in each third of the move, first to last; nothing where it was not read.
+    pub reads: [Option<FieldRead>; 3],
     /// How the phone was held.
     pub attitude: AttitudeEstimate,
     /// Whether the field jumped during the step, as it does when the operating system recalibrates a stream that it
@@ -83,6 +88,7 @@ struct StepSums {
     forward: [f32; 2],
     n_field: u32,
     forward_field_ut: [f32; 3],
+    trace: FieldTrace,
     field_bias_reset: bool,
 }
 
@@ -92,6 +98,7 @@ struct StepFeatures {
     level_heading_rad: f32,
     forward_field: Option<LevelField>,
     end_strength_ut: Option<f32>,
+    reads: [Option<FieldRead>; 3],
     attitude: AttitudeEstimate,
     field_bias_reset: bool,
 }
@@ -183,7 +190,9 @@ impl Pedestrian {
         self.sums.forward_field_ut[0] += level[0] * forward[1] - level[1] * forward[0];
         self.sums.forward_field_ut[1] += level[0] * forward[0] + level[1] * forward[1];
         self.sums.forward_field_ut[2] += level[2];
-        let strength_ut = LevelField { field_ut: level }.strength_ut();
+        let level = LevelField { field_ut: level };
+        self.sums.trace.push(FieldRead::of(&level));
+        let strength_ut = level.strength_ut();
         let a = (dt_s / (STRENGTH_TAU_S + dt_s)) as f32;
         let smoothed =
             self.magnetometer.smoothed_strength_ut.map_or(strength_ut, |s| s + a * (strength_ut - s));
@@ -205,6 +214,7 @@ impl StepSums {
             level_heading_rad: libm::atan2f(forward[0], forward[1]),
             forward_field: has_field.then(|| LevelField { field_ut: self.forward_field_ut.map(mean) }),
             end_strength_ut: strength_ut.filter(|_| has_field),
+            reads: self.trace.thirds(),
             attitude,
             field_bias_reset: self.field_bias_reset,
         }
@@ -213,8 +223,18 @@ impl StepSums {
 
 impl StepFeatures {
     fn of_step(self, cycle: StepCycle) -> StepEvent {
-        let Self { level_heading_rad, forward_field, end_strength_ut, attitude, field_bias_reset } = self;
-        StepEvent { cycle, level_heading_rad, forward_field, end_strength_ut, attitude, field_bias_reset }
+        let Self { level_heading_rad, forward_field, end_strength_ut, reads, attitude, field_bias_reset } =
+            self;
+        StepEvent {
+            cycle,
+            n_steps: 1,
+            level_heading_rad,
+            forward_field,
+            end_strength_ut,
+            reads,
+            attitude,
+            field_bias_reset,
+        }
     }
 }
 

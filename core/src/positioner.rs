@@ -9,14 +9,15 @@ use serde::{Deserialize, Serialize};
 
 pub use fix::{Fix, Mode};
 
+use crate::front_end::FrontEnd;
 use crate::geometry::{Point2, wrap_rad};
 use crate::map::FloorIndex;
 use crate::observation::radio::RadioObservation;
-use crate::pedestrian::{Pedestrian, PedestrianParams, StepEvent};
+use crate::pedestrian::StepEvent;
 use crate::reorder::{DEFAULT_REORDER_WINDOW, Rejections, ReorderWindow};
 use crate::sensor::{Reading, Sample, TransmitterId};
 use crate::system::Recipe;
-use crate::time::Timestamp;
+use crate::time::{Duration, Timestamp};
 use crate::tracker::{Tracker, TrackerState};
 
 /// Where someone is said to be: a tap on the plan, a QR code, GNSS at the door.
@@ -88,7 +89,7 @@ pub struct Snapshot {
     recipe: Recipe,
     seed: u64,
     floor: String,
-    pedestrian: Pedestrian,
+    front_end: FrontEnd,
     reorder: ReorderWindow,
     tracker: TrackerState,
     progress: Progress,
@@ -101,9 +102,15 @@ struct Progress {
     last_step: Option<StepEvent>,
     hint_time: Option<Timestamp>,
     heard: Vec<Heard>,
+    /// When the open radio round began, and what was heard in it.
+    round_start: Option<Timestamp>,
+    heard_in_round: Vec<Heard>,
 }
 
-/// Sightings of one known transmitter since the last step.
+/// Length of a radio round: beacons are sent several times a second, cards' frames once.
+const RADIO_ROUND: Duration = Duration::from_millis(1_000);
+
+/// Sightings of one known transmitter since the last step or in a radio round.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Heard {
     transmitter: u32,
@@ -118,7 +125,7 @@ struct Heard {
 #[derive(Clone, Debug)]
 pub struct Positioner {
     seed: u64,
-    pedestrian: Pedestrian,
+    front_end: FrontEnd,
     reorder: ReorderWindow,
     tracker: Tracker,
     transmitters: BTreeMap<TransmitterId, u32>,
@@ -132,11 +139,15 @@ impl Positioner {
         let ids = floor.map().transmitters.iter().map(|t| t.id).zip(0u32..);
         Self {
             seed,
-            pedestrian: Pedestrian::new(PedestrianParams::default()),
+            front_end: FrontEnd::new(recipe.front_end),
             reorder: ReorderWindow::new(DEFAULT_REORDER_WINDOW),
             transmitters: ids.collect(),
             tracker: Tracker::new(recipe, floor, seed),
-            progress: Progress { heard: Vec::with_capacity(256), ..Progress::default() },
+            progress: Progress {
+                heard: Vec::with_capacity(256),
+                heard_in_round: Vec::with_capacity(256),
+                ..Progress::default()
+            },
             observations: Vec::with_capacity(256),
         }
     }
@@ -198,7 +209,7 @@ impl Positioner {
         }
         let estimate = self.tracker.estimate().ok_or(PositionError::NoFix)?;
         let turned_rad = self.progress.last_step.map_or(0.0, |step| {
-            wrap_rad(f64::from(self.pedestrian.level_heading_rad()) - f64::from(step.level_heading_rad))
+            wrap_rad(f64::from(self.front_end.level_heading_rad()) - f64::from(step.level_heading_rad))
         });
         Ok(fix::assemble(&fix::Inputs {
             map: self.tracker.floor().map(),
@@ -207,7 +218,7 @@ impl Positioner {
             step_length_m: self.tracker.step_length_m(),
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
-            attitude: self.pedestrian.attitude(),
+            attitude: self.front_end.attitude(),
             last_heard,
             time,
         }))
@@ -240,7 +251,7 @@ impl Positioner {
             recipe: self.tracker.recipe().clone(),
             seed: self.seed,
             floor: self.tracker.floor().map().name.clone(),
-            pedestrian: self.pedestrian.clone(),
+            front_end: self.front_end.clone(),
             reorder: self.reorder.clone(),
             tracker: self.tracker.state().clone(),
             progress: self.progress.clone(),
@@ -252,54 +263,76 @@ impl Positioner {
     /// # Errors
     /// [`PositionError::ForeignSnapshot`] when recipe, seed or floor differ; the positioner is unchanged then.
     pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), PositionError> {
-        let Snapshot { recipe, seed, floor, pedestrian, reorder, tracker, progress } = snapshot;
+        let Snapshot { recipe, seed, floor, front_end, reorder, tracker, progress } = snapshot;
         if !self.tracker.fits(&tracker)
+            || front_end.rule() != self.front_end.rule()
             || recipe != *self.tracker.recipe()
             || seed != self.seed
             || floor != self.tracker.floor().map().name
         {
             return Err(PositionError::ForeignSnapshot);
         }
-        self.pedestrian = pedestrian;
+        self.front_end = front_end;
         self.reorder = reorder;
         self.progress = progress;
         self.tracker.set_state(tracker);
         Ok(())
     }
 
-    /// Consumes a sample in order of time; true when it completed a step.
+    /// Consumes a sample in order of time; true when the fix may have changed: a step ended, or a radio round that counts.
     fn consume(&mut self, sample: &Sample) -> bool {
+        let has_moved = self.tracker.uses_radio_rounds() && self.close_round(sample.time);
         self.progress.last_consumed = Some(sample.time);
         if let Reading::Radio(sighting) = sample.reading {
             self.hear(sighting.transmitter, sighting.rssi_dbm);
         }
-        let Some(event) = self.pedestrian.push(sample) else { return false };
-        self.observations.clear();
-        self.observations.extend(
-            self.progress
-                .heard
-                .iter()
-                .map(|h| RadioObservation { transmitter: h.transmitter, rssi_dbm: h.sum_dbm / h.n as f32 }),
-        );
-        self.observations.sort_unstable_by(|a, b| {
-            b.rssi_dbm.total_cmp(&a.rssi_dbm).then(a.transmitter.cmp(&b.transmitter))
-        });
-        self.progress.heard.clear();
+        let Some(event) = self.front_end.push(sample) else { return has_moved };
+        observe(&mut self.progress.heard, &mut self.observations);
         self.tracker.step(&event, &self.observations);
         self.progress.last_step = Some(event);
         true
     }
 
+    /// Hands what was heard to the tracker when `now` lies a round after the open one's start; silence too.
+    fn close_round(&mut self, now: Timestamp) -> bool {
+        let start = *self.progress.round_start.get_or_insert(now);
+        if now - start < RADIO_ROUND {
+            return false;
+        }
+        self.progress.round_start = Some(now);
+        observe(&mut self.progress.heard_in_round, &mut self.observations);
+        self.tracker.hear(now, &self.observations)
+    }
+
     fn hear(&mut self, id: TransmitterId, rssi_dbm: f32) {
         let Some(&transmitter) = self.transmitters.get(&id) else { return };
-        match self.progress.heard.iter_mut().find(|h| h.transmitter == transmitter) {
-            Some(heard) => {
-                heard.sum_dbm += rssi_dbm;
-                heard.n += 1;
-            }
-            None => self.progress.heard.push(Heard { transmitter, sum_dbm: rssi_dbm, n: 1 }),
+        add(&mut self.progress.heard, transmitter, rssi_dbm);
+        if self.tracker.uses_radio_rounds() {
+            add(&mut self.progress.heard_in_round, transmitter, rssi_dbm);
         }
     }
+}
+
+fn add(heard: &mut Vec<Heard>, transmitter: u32, rssi_dbm: f32) {
+    match heard.iter_mut().find(|h| h.transmitter == transmitter) {
+        Some(heard) => {
+            heard.sum_dbm += rssi_dbm;
+            heard.n += 1;
+        }
+        None => heard.push(Heard { transmitter, sum_dbm: rssi_dbm, n: 1 }),
+    }
+}
+
+/// Turns what was heard into means, the strongest first, and forgets it.
+fn observe(heard: &mut Vec<Heard>, observations: &mut Vec<RadioObservation>) {
+    observations.clear();
+    observations.extend(
+        heard
+            .drain(..)
+            .map(|h| RadioObservation { transmitter: h.transmitter, rssi_dbm: h.sum_dbm / h.n as f32 }),
+    );
+    observations
+        .sort_unstable_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm).then(a.transmitter.cmp(&b.transmitter)));
 }
 
 #[cfg(test)]

@@ -1,7 +1,12 @@
 //! The systems as data: a recipe is a choice of parts with their parameters.
 
+mod dead_reckoning;
+mod fused;
+mod mass_centered;
+
 use serde::{Deserialize, Serialize};
 
+use crate::front_end::FrontEndRule;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
@@ -12,8 +17,14 @@ use crate::step::StepLengthModel;
 pub struct Recipe {
     /// The system's name, as on the command line.
     pub name: String,
+    /// What is worn, and how its samples become steps.
+    #[serde(default)]
+    pub front_end: FrontEndRule,
     /// Number of particles.
     pub n_particles: usize,
+    /// Where particles begin without a hint; with one, in the square round it.
+    #[serde(default)]
+    pub start: StartRule,
     /// How long a step is before the walker's own scale.
     pub length: StepLengthModel,
     /// How particles move.
@@ -30,6 +41,20 @@ pub struct Recipe {
     pub resample_below: f32,
     /// How the stated radii follow from the cloud.
     pub accuracy: AccuracyParams,
+}
+
+/// Where particles begin when nobody says where the wearer is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StartRule {
+    /// Along the surveyed routes.
+    #[default]
+    Routes,
+    /// Anywhere on the floor that is open.
+    ///
+    /// # Source
+    /// Kwak 2018, §5.2: uniform over the area.
+    WholeFloor,
 }
 
 /// How particles move at a step.
@@ -166,97 +191,31 @@ pub struct AccuracyParams {
 const FITTED_LENGTH: StepLengthModel =
     StepLengthModel::FrequencyAmplitude { offset_m: 0.4765, per_hz_m: -0.268, per_root_m: 0.444 };
 
+/// The systems by name: the list that tables follow, and the look-up in it.
+macro_rules! systems {
+    ($($name:literal => $recipe:path,)*) => {
+        impl Recipe {
+            /// The names of all systems, in the order in which tables list them.
+            pub const NAMES: [&'static str; [$($name),*].len()] = [$($name),*];
+
+            /// The system called `name`, if there is one.
+            pub fn named(name: &str) -> Option<Self> {
+                match name {
+                    $($name => Some($recipe()),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+systems! {
+    "dead-reckoning" => Recipe::dead_reckoning,
+    "mass-centered" => Recipe::mass_centered,
+    "fused" => Recipe::fused,
+}
+
 impl Recipe {
-    /// The names of all systems, in the order in which tables list them.
-    pub const NAMES: [&'static str; 3] = ["dead-reckoning", "mass-centered", "fused"];
-
-    /// The system called `name`, if there is one.
-    pub fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "dead-reckoning" => Self::dead_reckoning(),
-            "mass-centered" => Self::mass_centered(),
-            "fused" => Self::fused(),
-            _ => return None,
-        })
-    }
-
-    /// Steps and gyroscope from the compass's first direction; nothing corrects them.
-    pub fn dead_reckoning() -> Self {
-        Self {
-            name: "dead-reckoning".into(),
-            n_particles: 500,
-            length: FITTED_LENGTH,
-            motion: MotionParams {
-                heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
-                direction_sd_rad: 0.06,
-                length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.0, step_sd: 0.08 },
-            },
-            plan: PlanRule::Ignore,
-            routes: None,
-            magnetic: MagneticRule::Ignore,
-            radio: None,
-            resample_below: 0.0,
-            accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },
-        }
-    }
-
-    /// Mass-centred weighting of field strength on a floor plan, genetic step lengths, compensated azimuth.
-    ///
-    /// # Source
-    /// Mass-centred 2019, Alg. 1; `W`, `T` and the number of particles are the paper's.
-    pub fn mass_centered() -> Self {
-        Self {
-            name: "mass-centered".into(),
-            n_particles: 3000,
-            length: FITTED_LENGTH,
-            motion: MotionParams {
-                heading: HeadingRule::CompensatedCompass,
-                direction_sd_rad: 0.3,
-                length: LengthRule::Genetic {
-                    a_m: 0.18,
-                    a_sd_m: 0.04,
-                    b_m: 0.28,
-                    b_sd_m: 0.06,
-                    a_walk_sd_m: 0.002,
-                    b_walk_sd_m: 0.004,
-                    step_sd_m: 0.05,
-                },
-            },
-            plan: PlanRule::Purge,
-            routes: None,
-            magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
-            radio: None,
-            resample_below: 1.0,
-            accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },
-        }
-    }
-
-    /// Fieldwalk's own: soft plan and routes, the field vector with a learnt bias, weak radio.
-    pub fn fused() -> Self {
-        Self {
-            name: "fused".into(),
-            n_particles: 1000,
-            length: FITTED_LENGTH,
-            motion: MotionParams {
-                heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
-                direction_sd_rad: 0.06,
-                length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.004, step_sd: 0.08 },
-            },
-            plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
-            routes: Some(RouteParams {
-                start_power: 2.0,
-                start_floor: 0.5,
-                free_m: 2.5,
-                log_weight_per_m: -0.03,
-                min_log_weight: -0.3,
-            }),
-            magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
-            radio: Some(RadioParams::default()),
-            resample_below: 0.7,
-            accuracy: AccuracyParams { scale: 1.3, floor_m: 1.25, tail: 1.15 },
-        }
-    }
-
     /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses.
     #[must_use]
     pub fn with_plan(self) -> Self {

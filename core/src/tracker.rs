@@ -15,6 +15,7 @@ use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleS
 use crate::pedestrian::StepEvent;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
+use crate::time::Timestamp;
 
 /// Everything that the tracker remembers from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -115,7 +116,7 @@ impl Tracker {
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
         };
-        state.particles.arrays().into_iter().all(|(part, array)| array.len() == n * a_particle(part))
+        state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
     }
 
     /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.
@@ -181,6 +182,16 @@ impl Tracker {
         }
         self.estimate_cloud();
         self.resample();
+    }
+
+    /// Whether this recipe wants to know once a second what radio was heard.
+    pub fn uses_radio_rounds(&self) -> bool {
+        false
+    }
+
+    /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
+    pub fn hear(&mut self, _now: Timestamp, _radio: &[RadioObservation]) -> bool {
+        false
     }
 
     fn apply_plan(&mut self) {
@@ -299,7 +310,6 @@ mod tests {
     use crate::floor_plan::FloorPlan;
     use crate::map::{FloorMap, GridFrame, Layers};
     use crate::step::StepCycle;
-    use crate::time::Timestamp;
 
     /// 60 m × 20 m where the field grows by 2 µT a metre along x.
     fn slope() -> FloorIndex {
@@ -320,6 +330,8 @@ mod tests {
                 amplitude_m_s2: 3.0,
                 is_first: false,
             },
+            n_steps: 1,
+            reads: [None; 3],
             level_heading_rad: core::f32::consts::FRAC_PI_2,
             forward_field: None,
             end_strength_ut: Some(40.0 + 1.5 * k as f32),

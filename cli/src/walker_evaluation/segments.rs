@@ -152,6 +152,8 @@ mod tests {
                 amplitude_m_s2: 4.0,
                 is_first: false,
             },
+            n_steps: 1,
+            reads: [None; 3],
             level_heading_rad: heading_rad,
             forward_field: None,
             end_strength_ut: None,

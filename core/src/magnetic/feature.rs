@@ -47,6 +47,28 @@ impl LevelField {
     }
 }
 
+/// What one reading says without a heading: what histories are made of.
+///
+/// # Source
+/// Kwak 2018, §3.2: `|B|` needs no attitude, `B_h` and `B_v` need gravity alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldRead {
+    /// `|B|`, in µT.
+    pub strength_ut: f32,
+    /// `B_h` and `B_v`, in µT; nothing where only the strength is known.
+    pub horizontal_vertical_ut: Option<[f32; 2]>,
+}
+
+impl FieldRead {
+    /// All three of a field whose vertical is known.
+    pub fn of(field: &LevelField) -> Self {
+        Self {
+            strength_ut: field.strength_ut(),
+            horizontal_vertical_ut: Some([field.horizontal_ut(), field.vertical_ut()]),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@ use crate::observation::radio::{RadioObservation, log_likelihood};
 use crate::particle::Particles;
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
-use crate::system::{HeadingRule, LengthRule, MagneticRule};
+use crate::system::{HeadingRule, LengthRule, MagneticRule, StartRule};
 use crate::tracker::Tracker;
 
 /// Without a hint, particles start within this distance of a surveyed line, in metres.
@@ -82,12 +82,20 @@ impl Tracker {
         self.estimate_cloud();
     }
 
-    /// Places particles without a hint: along the surveyed routes, where radio makes them likely if it was heard.
+    /// Places particles without a hint: where the recipe says, and of that where radio makes it likely if it was heard.
     pub(super) fn place_unknown(&mut self, radio: &[RadioObservation]) {
         let map = self.floor.map();
         let (frame, distances) = (map.frame, &map.layers.route_distance_m);
         let is_route = |node: usize| distances.get(node).is_some_and(|&d| d <= START_REACH_M);
-        let mut nodes: Vec<usize> = (0..frame.len()).filter(|&node| is_route(node)).collect();
+        let is_open = |node: usize| {
+            let Point2 { x_m, y_m } = frame.node(node % frame.nx.max(1), node / frame.nx.max(1));
+            self.floor.is_open(x_m as f32, y_m as f32)
+        };
+        let is_start = |node: &usize| match self.recipe.start {
+            StartRule::Routes => is_route(*node),
+            StartRule::WholeFloor => is_open(*node),
+        };
+        let mut nodes: Vec<usize> = (0..frame.len()).filter(is_start).collect();
         if nodes.is_empty() {
             nodes = (0..frame.len()).collect();
         }

@@ -1,0 +1,31 @@
+//! Dead reckoning: the baseline that every other system must beat.
+
+use crate::front_end::FrontEndRule;
+use crate::system::{
+    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
+    StartRule,
+};
+
+impl Recipe {
+    /// Steps and gyroscope from the compass's first direction; nothing corrects them.
+    pub fn dead_reckoning() -> Self {
+        Self {
+            name: "dead-reckoning".into(),
+            front_end: FrontEndRule::Phone,
+            start: StartRule::Routes,
+            n_particles: 500,
+            length: FITTED_LENGTH,
+            motion: MotionParams {
+                heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
+                direction_sd_rad: 0.06,
+                length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.0, step_sd: 0.08 },
+            },
+            plan: PlanRule::Ignore,
+            routes: None,
+            magnetic: MagneticRule::Ignore,
+            radio: None,
+            resample_below: 0.0,
+            accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! The mass-centred system of 2019.
+
+use crate::front_end::FrontEndRule;
+use crate::observation::mass_centered::MassCenteredParams;
+use crate::system::{
+    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
+    StartRule,
+};
+
+impl Recipe {
+    /// Mass-centred weighting of field strength on a floor plan, genetic step lengths, compensated azimuth.
+    ///
+    /// # Source
+    /// Mass-centred 2019, Alg. 1; `W`, `T` and the number of particles are the paper's.
+    pub fn mass_centered() -> Self {
+        Self {
+            name: "mass-centered".into(),
+            front_end: FrontEndRule::Phone,
+            start: StartRule::Routes,
+            n_particles: 3000,
+            length: FITTED_LENGTH,
+            motion: MotionParams {
+                heading: HeadingRule::CompensatedCompass,
+                direction_sd_rad: 0.3,
+                length: LengthRule::Genetic {
+                    a_m: 0.18,
+                    a_sd_m: 0.04,
+                    b_m: 0.28,
+                    b_sd_m: 0.06,
+                    a_walk_sd_m: 0.002,
+                    b_walk_sd_m: 0.004,
+                    step_sd_m: 0.05,
+                },
+            },
+            plan: PlanRule::Purge,
+            routes: None,
+            magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
+            radio: None,
+            resample_below: 1.0,
+            accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },
+        }
+    }
+}
