@@ -35,6 +35,7 @@
 
 pub mod attitude;
 pub mod calibration;
+pub mod card;
 pub mod floor_plan;
 pub mod front_end;
 pub mod geometry;
@@ -47,6 +48,7 @@ pub mod observation;
 pub mod particle;
 pub mod pedestrian;
 pub mod positioner;
+pub mod radio;
 pub mod random;
 mod reorder;
 pub mod rotation;

@@ -1,8 +1,10 @@
-//! What a survey measured: magnetic layers, compass deviation, surveyed routes, radio transmitters.
+//! What a survey measured: magnetic layers, compass deviation, surveyed routes, radio transmitters and fingerprints.
 
+mod fingerprints;
 mod index;
 mod surveyed_ways;
 
+pub use fingerprints::Fingerprints;
 pub use index::FloorIndex;
 
 use serde::{Deserialize, Serialize};
@@ -82,6 +84,8 @@ pub struct FloorMap {
     pub routes: Vec<Vec<Point2>>,
     /// The transmitters heard.
     pub transmitters: Vec<Transmitter>,
+    /// How strongly each of them was received where.
+    pub fingerprints: Fingerprints,
 }
 
 /// A building: its floors, from the lowest to the highest ordinal.

@@ -1,15 +1,22 @@
 //! The systems as data: a recipe is a choice of parts with their parameters.
 
+mod card;
 mod dead_reckoning;
+mod dtw;
 mod fused;
 mod mass_centered;
+mod radar;
 
 use serde::{Deserialize, Serialize};
 
 use crate::front_end::FrontEndRule;
+use crate::heading::PathwayParams;
 use crate::observation::field_vector::FieldVectorParams;
+use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
+use crate::particle::ReplenishParams;
+use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
 /// A positioning system: which parts run and how they are tuned.
@@ -37,6 +44,13 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
+    #[serde(default)]
+    pub radar: Option<FingerprintParams>,
+    /// Who dies of too small a weight and how the dead are replaced, before the estimate; without, nobody is until
+    /// resampling.
+    #[serde(default)]
+    pub replenish: Option<ReplenishParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
     /// How the stated radii follow from the cloud.
@@ -84,6 +98,12 @@ pub enum HeadingRule {
         /// Standard deviation of the random walk a step, in radians.
         walk_sd_rad: f32,
     },
+    /// The compass azimuth of every round turned by the floor's mean deviation, or the direction of a way near it or near
+    /// the particle's last heading; drawn anew for each particle each round.
+    ///
+    /// # Source
+    /// Kwak 2018, Alg. 1.
+    Pathway(PathwayParams),
 }
 
 /// How step lengths vary over particles and steps.
@@ -118,6 +138,17 @@ pub enum LengthRule {
         b_walk_sd_m: f32,
         /// Standard deviation of Λ, in metres.
         step_sd_m: f32,
+    },
+    /// The same for everybody, with a noise that each particle draws each round: `N·(l + G_l)` for `N` steps.
+    ///
+    /// # Source
+    /// Kwak 2018, Eq. 3: `l` = 0.65 m, `G_l` with 0.5 `l`. A negative stride, which is drawn one time in forty, is cut to
+    /// nothing.
+    Alike {
+        /// `l`, in metres.
+        mean_m: f32,
+        /// Standard deviation of `G_l`, in metres.
+        round_sd_m: f32,
     },
 }
 
@@ -187,6 +218,8 @@ pub enum MagneticRule {
     MassCentered(MassCenteredParams),
     /// The vector in the particle's own heading, with a learnt bias.
     FieldVector(FieldVectorParams),
+    /// What was read during the last while against what the map says along each particle's way.
+    History(HistoryParams),
 }
 
 /// How the stated radii follow from the cloud: `radius_68 = sqrt((scale·r_68)² + floor²)` and
@@ -228,6 +261,9 @@ macro_rules! systems {
 
 systems! {
     "dead-reckoning" => Recipe::dead_reckoning,
+    "radar" => Recipe::radar,
+    "card" => Recipe::card,
+    "dtw" => Recipe::dtw,
     "mass-centered" => Recipe::mass_centered,
     "fused" => Recipe::fused,
 }

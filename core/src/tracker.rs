@@ -1,18 +1,23 @@
 //! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
 
 mod motion;
+mod radar;
 mod start;
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::front_end::FrontEndRule;
 use crate::geometry::Point2;
+use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
+use crate::observation::history::{DeviceHistory, HistoryScratch};
 use crate::observation::radio::RadioObservation;
-use crate::observation::{field_vector, mass_centered, radio};
-use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
+use crate::observation::{field_vector, history, mass_centered, radio};
+use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch};
 use crate::pedestrian::StepEvent;
+use crate::radio::fingerprint::FingerprintMatcher;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
 use crate::time::Timestamp;
@@ -32,8 +37,12 @@ pub struct TrackerState {
     /// Mean length of the latest step over particles, in metres.
     step_length_m: f64,
     last_end_strength_ut: Option<f32>,
+    /// What the device has read lately, where histories are compared.
+    history: DeviceHistory,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// When a radio fingerprint was last matched.
+    matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
     estimate: Option<CloudEstimate>,
 }
@@ -43,6 +52,8 @@ pub struct TrackerState {
 pub struct Tracker {
     recipe: Recipe,
     floor: Arc<FloorIndex>,
+    /// The ways of the floor, for a recipe whose particles follow them.
+    ways: Option<WayGrid>,
     seed: u64,
     normal: NormalTable,
     state: TrackerState,
@@ -57,6 +68,9 @@ struct Scratch {
     weights: Vec<f32>,
     resample: ResampleScratch,
     estimate: EstimateScratch,
+    matcher: FingerprintMatcher,
+    history: HistoryScratch,
+    replenish: ReplenishScratch,
 }
 
 impl Tracker {
@@ -65,7 +79,16 @@ impl Tracker {
         let n = recipe.n_particles.max(1);
         let window = match recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
+            MagneticRule::History(params) => params.n_values(),
             _ => 1,
+        };
+        let n_slots = if let MagneticRule::History(params) = recipe.magnetic { params.n_slots() } else { 0 };
+        let ways = match recipe.motion.heading {
+            HeadingRule::Pathway(params) => {
+                let plan = &floor.map().plan;
+                Some(WayGrid::new(&Pathways::of_map(floor.map()), params, plan.width_m, plan.height_m))
+            }
+            _ => None,
         };
         let scratch = Scratch {
             from_x_m: Vec::with_capacity(n),
@@ -73,9 +96,15 @@ impl Tracker {
             weights: Vec::with_capacity(n),
             resample: ResampleScratch::with_capacity(n, window),
             estimate: EstimateScratch::default(),
+            matcher: match recipe.radar {
+                Some(_) => FingerprintMatcher::new(&floor.map().fingerprints),
+                None => FingerprintMatcher::default(),
+            },
+            history: HistoryScratch::with_capacity(n_slots),
+            replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
         };
         let normal = NormalTable::new();
-        Self { recipe, floor, seed, normal, state: TrackerState::default(), scratch }
+        Self { recipe, floor, ways, seed, normal, state: TrackerState::default(), scratch }
     }
 
     /// The recipe that runs.
@@ -102,21 +131,29 @@ impl Tracker {
     pub fn fits(&self, state: &TrackerState) -> bool {
         let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
         let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
+        let is_scaled = matches!(self.recipe.motion.length, LengthRule::Scaled { .. });
         let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
         let window = match self.recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
             _ => 0,
         };
+        let (n_values, n_slots) = match self.recipe.magnetic {
+            MagneticRule::History(params) => (params.n_values(), params.n_slots()),
+            _ => (0, 0),
+        };
         let a_particle = |part| match part {
             Part::Always => 1,
             Part::Gyroscope => usize::from(has_gyroscope && state.is_oriented),
-            Part::ScaledLength => usize::from(!is_genetic),
+            Part::ScaledLength => usize::from(is_scaled),
             Part::GeneticLength => usize::from(is_genetic),
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
+            Part::History => usize::from(n_values > 0),
+            Part::HistoryWindow => n_values,
         };
-        state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
+        state.history.fits(n_slots)
+            && state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
     }
 
     /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.
@@ -155,6 +192,9 @@ impl Tracker {
 
     /// Consumes a step and what radio was heard during it.
     pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        if self.recipe.radar.is_some() {
+            return;
+        }
         if !self.state.is_placed {
             if self.recipe.radio.is_some() && self.waits_for_radio(radio) {
                 return;
@@ -180,18 +220,19 @@ impl Tracker {
         if !self.weigh() {
             self.recover();
         }
+        self.replenish();
         self.estimate_cloud();
         self.resample();
     }
 
     /// Whether this recipe wants to know once a second what radio was heard.
     pub fn uses_radio_rounds(&self) -> bool {
-        false
+        self.recipe.radar.is_some()
     }
 
     /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
-    pub fn hear(&mut self, _now: Timestamp, _radio: &[RadioObservation]) -> bool {
-        false
+    pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
+        self.match_fingerprint(now, radio)
     }
 
     fn apply_plan(&mut self) {
@@ -251,7 +292,23 @@ impl Tracker {
                     field_vector::update(params, &self.floor, field, &mut self.state.particles);
                 }
             }
+            MagneticRule::History(params) if event.cycle.is_first && self.is_card() => {
+                // The way between was not heard of.
+                history::forget(params, &mut self.state.history, &mut self.state.particles);
+            }
+            // Who stands reads the same again: half a minute of that would wipe the history out.
+            MagneticRule::History(_) if event.n_steps == 0 => {}
+            MagneticRule::History(params) => {
+                let Scratch { from_x_m, from_y_m, history: scratch, .. } = &mut self.scratch;
+                let (device, particles) = (&mut self.state.history, &mut self.state.particles);
+                let from_m = [&**from_x_m, &**from_y_m];
+                history::update(params, &self.floor, &event.reads, from_m, device, particles, scratch);
+            }
         }
+    }
+
+    fn is_card(&self) -> bool {
+        self.recipe.front_end == FrontEndRule::Card
     }
 
     /// Lets every particle weigh the same, whatever its log weight.
@@ -279,6 +336,19 @@ impl Tracker {
         is_alive
     }
 
+    /// Lets who weighs too little die, and newcomers take the places of the dead.
+    fn replenish(&mut self) {
+        let Some(params) = &self.recipe.replenish else { return };
+        let (seed, step) = (self.seed, self.state.n_steps);
+        let minds_walls = self.recipe.plan != PlanRule::Ignore;
+        let may_stand = |from_m: [f32; 2], to_m: [f32; 2]| {
+            !minds_walls || (self.floor.is_open(to_m[0], to_m[1]) && !self.floor.is_blocked(from_m, to_m))
+        };
+        let draw = |i| draw(seed, step, i, Purpose::Replenishing);
+        let Scratch { weights, replenish, .. } = &mut self.scratch;
+        self.state.particles.replenish(params, weights, replenish, draw, may_stand);
+    }
+
     fn estimate_cloud(&mut self) {
         if self.state.particles.is_empty() || self.scratch.weights.len() != self.state.particles.len() {
             return;
@@ -297,6 +367,11 @@ impl Tracker {
         if is_degenerate || self.recipe.resample_below >= 1.0 {
             let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
             self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+            if let MagneticRule::History(params) = &self.recipe.magnetic
+                && !params.counts_once
+            {
+                self.state.particles.history_log_weight.fill(0.0);
+            }
         } else if matches!(self.recipe.magnetic, MagneticRule::MassCentered(_)) {
             // Its weights are not in the log weights yet, which alone are kept.
             for (log_weight, weight) in self.state.particles.log_weight.iter_mut().zip(&self.scratch.weights)

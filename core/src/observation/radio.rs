@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::map::Transmitter;
 use crate::particle::Particles;
+use crate::radio::path_loss::PathLoss;
+
+pub use crate::radio::RadioObservation;
 
 /// Parameters of the radio likelihood.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,15 +38,6 @@ impl Default for RadioParams {
     }
 }
 
-/// The mean received power of one known transmitter since the last step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RadioObservation {
-    /// Index of the transmitter in the map.
-    pub transmitter: u32,
-    /// Mean received power, in dBm.
-    pub rssi_dbm: f32,
-}
-
 /// Adds the tempered log-likelihood of `observations` to every particle of a cloud that is wide, or is not.
 ///
 /// # Source
@@ -62,7 +56,7 @@ pub fn update(
     };
     for observation in observations.iter().take(n) {
         let Some(transmitter) = transmitters.get(observation.transmitter as usize) else { continue };
-        let model = PathLoss::of(transmitter);
+        let model = ExpectedPower::of(transmitter);
         for i in 0..particles.x_m.len() {
             let z = model.deviation(observation.rssi_dbm, particles.x_m[i], particles.y_m[i]);
             particles.log_weight[i] += tempering * log_student(params.degrees_of_freedom, z);
@@ -70,11 +64,11 @@ pub fn update(
     }
 }
 
-/// A transmitter's path loss in the arithmetic of the particle loop.
+/// A transmitter's [`PathLoss`] in the arithmetic of the particle loop.
 ///
 /// # Source
 /// iBILL 2017, Eq. 1.
-struct PathLoss {
+struct ExpectedPower {
     position_m: [f32; 2],
     power_at_1m_dbm: f32,
     /// dB per natural logarithm of the squared distance.
@@ -82,13 +76,14 @@ struct PathLoss {
     per_sigma: f32,
 }
 
-impl PathLoss {
+impl ExpectedPower {
     fn of(transmitter: &Transmitter) -> Self {
+        let PathLoss { power_at_1m_dbm, exponent, sigma_db } = PathLoss::of(transmitter);
         Self {
             position_m: [transmitter.position.x_m as f32, transmitter.position.y_m as f32],
-            power_at_1m_dbm: transmitter.power_at_1m_dbm as f32,
-            per_log_square_db: (5.0 * transmitter.path_loss_exponent * core::f64::consts::LOG10_E) as f32,
-            per_sigma: (1.0 / transmitter.sigma_db) as f32,
+            power_at_1m_dbm: power_at_1m_dbm as f32,
+            per_log_square_db: (5.0 * exponent * core::f64::consts::LOG10_E) as f32,
+            per_sigma: (1.0 / sigma_db) as f32,
         }
     }
 
@@ -111,7 +106,7 @@ fn log_student(nu: f32, z: f32) -> f32 {
 /// # Source
 /// iBILL 2017, Eq. 1.
 pub fn log_likelihood(nu: f32, transmitter: &Transmitter, rssi_dbm: f32, x_m: f32, y_m: f32) -> f32 {
-    log_student(nu, PathLoss::of(transmitter).deviation(rssi_dbm, x_m, y_m))
+    log_student(nu, ExpectedPower::of(transmitter).deviation(rssi_dbm, x_m, y_m))
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::geometry::Point2;
-use crate::map::Transmitter;
+use crate::map::{Fingerprints, Transmitter};
+use crate::radio::path_loss::{Fit, least_squares, loss_db};
 use crate::sensor::TransmitterId;
 use crate::survey::{SurveyTrack, SurveyWalk};
 
@@ -13,8 +14,6 @@ const MIN_SIGHTINGS: usize = 8;
 const MAX_SIGHTINGS: usize = 200;
 /// The search covers this far around the strongest sighting, in metres, first coarsely, then finely.
 const SEARCH_M: [(f64, f64); 2] = [(24.0, 3.0), (3.0, 0.75)];
-/// Path-loss exponent expected before any sighting, and how many sightings that counts for.
-const PRIOR_EXPONENT: (f64, f64) = (2.5, 5.0);
 /// Added to the residual variance of a fit, in dB²: fading that a straight walk does not show.
 const EXTRA_VARIANCE_DB2: f64 = 9.0;
 
@@ -49,6 +48,15 @@ impl Heard {
         self.0.keys().filter_map(|&id| self.fit_one(id, left_out)).collect()
     }
 
+    /// The fingerprints of `transmitters`, in cells of `cell_m`.
+    pub fn fingerprints(&self, transmitters: &[Transmitter], cell_m: f64) -> Fingerprints {
+        let sightings = transmitters.iter().zip(0..).flat_map(|(transmitter, index)| {
+            let sightings = self.0.get(&transmitter.id).into_iter().flatten();
+            sightings.map(move |sighting| (sighting.place, index, sighting.rssi_dbm))
+        });
+        Fingerprints::of(cell_m, transmitters.len(), sightings)
+    }
+
     /// Fits one transmitter; nothing when it was not heard often enough outside the walk `left_out`.
     pub fn fit_one(&self, id: TransmitterId, left_out: Option<u32>) -> Option<Transmitter> {
         let others = self.0.get(&id)?.iter().filter(|sighting| Some(sighting.walk) != left_out);
@@ -71,7 +79,7 @@ fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {
         for (i, j) in (-n..=n).flat_map(|i| (-n..=n).map(move |j| (i, j))) {
             let place = centre + Point2::new(f64::from(i) * step_m, f64::from(j) * step_m);
             let candidate = model_at(place, &used, &mut losses);
-            if candidate.cost < best.cost {
+            if candidate.fit.cost < best.fit.cost {
                 best = candidate;
             }
         }
@@ -79,50 +87,26 @@ fn fit(id: TransmitterId, sightings: &[(Point2, f64)]) -> Option<Transmitter> {
     Some(Transmitter {
         id,
         position: best.position,
-        power_at_1m_dbm: best.power_at_1m_dbm,
-        path_loss_exponent: best.exponent,
-        sigma_db: (best.residual_db2 + EXTRA_VARIANCE_DB2).sqrt(),
+        power_at_1m_dbm: best.fit.power_at_1m_dbm,
+        path_loss_exponent: best.fit.exponent,
+        sigma_db: (best.fit.residual_db2 + EXTRA_VARIANCE_DB2).sqrt(),
         n_sightings: sightings.len().min(u32::MAX as usize) as u32,
     })
 }
 
 struct Model {
     position: Point2,
-    power_at_1m_dbm: f64,
-    exponent: f64,
-    residual_db2: f64,
-    cost: f64,
+    fit: Fit,
 }
 
-/// The least-squares path loss for a transmitter at `position`, its exponent drawn to the prior and kept in [1.2, 5].
+/// The least-squares path loss for a transmitter at `position`.
 ///
 /// What stands in `losses` does not matter: it is memory.
 fn model_at(position: Point2, sightings: &[(Point2, f64)], losses: &mut Vec<f64>) -> Model {
-    let n = sightings.len() as f64;
-    let loss = |p: Point2| -10.0 * libm::log10(p.distance_m(position).max(1.0));
     losses.clear();
-    losses.extend(sightings.iter().map(|&(p, _)| loss(p)));
-    let mean_l = losses.iter().sum::<f64>() / n;
-    let mean_r = sightings.iter().map(|&(_, rssi_dbm)| rssi_dbm).sum::<f64>() / n;
-    let (mut ll, mut lr, mut rr) = (0.0, 0.0, 0.0);
-    for (&(_, rssi_dbm), loss) in sightings.iter().zip(losses.iter()) {
-        let (l, r) = (loss - mean_l, rssi_dbm - mean_r);
-        ll += l * l;
-        lr += l * r;
-        rr += r * r;
-    }
-    let (expected, counts) = PRIOR_EXPONENT;
-    let pull = counts * 25.0;
-    let exponent = ((lr + pull * expected) / (ll + pull)).clamp(1.2, 5.0);
-    let residual_db2 = (rr - 2.0 * exponent * lr + exponent * exponent * ll).max(0.0) / n;
-    let off = exponent - expected;
-    Model {
-        position,
-        power_at_1m_dbm: mean_r - exponent * mean_l,
-        exponent,
-        residual_db2,
-        cost: residual_db2 * n + pull * off * off,
-    }
+    losses.extend(sightings.iter().map(|&(place, _)| loss_db(place.distance_m(position))));
+    let powers = sightings.iter().map(|&(_, rssi_dbm)| rssi_dbm);
+    Model { position, fit: least_squares(losses.iter().copied().zip(powers)) }
 }
 
 #[cfg(test)]

@@ -1,17 +1,19 @@
 //! How particles move at a step.
 
 use crate::pedestrian::StepEvent;
-use crate::random::{Purpose, draw};
+use crate::random::{Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule};
 use crate::tracker::Tracker;
 
 impl Tracker {
-    /// Moves every particle by one step of its own length in its own direction.
+    /// Moves every particle by its steps, each of its own length, in its own direction.
     pub(super) fn move_particles(&mut self, event: &StepEvent) {
         let modelled_m = self.recipe.length.advance_m(&event.cycle);
         let motion = self.recipe.motion;
         let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
         let (azimuth_sin, azimuth_cos) = libm::sincosf(azimuth_rad);
+        let (raw_sin, raw_cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
+        let n_steps = f32::from(event.n_steps);
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
@@ -30,8 +32,10 @@ impl Tracker {
                         + particles.gene_b_m[i]
                         + step_sd_m * noise[1]
                 }
+                LengthRule::Alike { mean_m, round_sd_m } => mean_m + round_sd_m * noise[1],
             }
-            .clamp(0.0, 1.5);
+            .clamp(0.0, 1.5)
+                * n_steps;
             let (sin, cos) = match motion.heading {
                 HeadingRule::CompensatedCompass => {
                     let [turn_sin, turn_cos] = self
@@ -46,6 +50,14 @@ impl Tracker {
                 HeadingRule::Gyroscope { walk_sd_rad, .. } => {
                     particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
                     libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
+                }
+                HeadingRule::Pathway(_) => {
+                    let (x_m, y_m) = (particles.x_m[i], particles.y_m[i]);
+                    let last = [particles.heading_sin[i], particles.heading_cos[i]];
+                    let raw = [raw_sin, raw_cos];
+                    let taken =
+                        self.ways.as_ref().map(|ways| ways.heading(x_m, y_m, raw, last, uniform(bits[2])));
+                    taken.unwrap_or(raw).into()
                 }
             };
             particles.heading_sin[i] = sin;

@@ -48,6 +48,7 @@ impl Tracker {
                 particles.gene_a_m = genes.iter().map(|g| a_m + a_sd_m * g[0]).collect();
                 particles.gene_b_m = genes.iter().map(|g| b_m + b_sd_m * g[1]).collect();
             }
+            LengthRule::Alike { .. } => {}
         }
         match &self.recipe.magnetic {
             MagneticRule::Ignore => {}
@@ -65,6 +66,11 @@ impl Tracker {
                 particles.bias_y_ut = vec![0.0; n];
                 particles.bias_z_ut = vec![0.0; n];
                 particles.bias_variance_ut2 = vec![params.bias_sd_ut * params.bias_sd_ut; n];
+            }
+            MagneticRule::History(params) => {
+                particles.history_ut = vec![0.0; n * params.n_values()];
+                particles.history_log_weight = vec![0.0; n];
+                self.state.history.start_anew(params);
             }
         }
         if let Some(routes) = self.recipe.routes {
@@ -137,7 +143,18 @@ impl Tracker {
     /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
     pub(super) fn orient(&mut self, event: &StepEvent) {
         self.state.is_oriented = true;
-        let HeadingRule::Gyroscope { start_sd_rad, .. } = self.recipe.motion.heading else { return };
+        let start_sd_rad = match self.recipe.motion.heading {
+            HeadingRule::CompensatedCompass => return,
+            HeadingRule::Gyroscope { start_sd_rad, .. } => start_sd_rad,
+            HeadingRule::Pathway(_) => {
+                // The heading before the first: the compass's.
+                let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
+                let (sin, cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
+                self.state.particles.heading_sin.fill(sin);
+                self.state.particles.heading_cos.fill(cos);
+                return;
+            }
+        };
         let deviations = &self.floor.map().layers.compass_deviation_rad;
         let (seed, step) = (self.seed, self.state.n_steps);
         let particles = &mut self.state.particles;
