@@ -25,7 +25,7 @@ const MAX_DRAWS: usize = 1_000;
 pub(super) fn cut_offs(path: &Path, waypoints: &[Waypoint], nodes: &[Point2]) -> Vec<TruthPoint> {
     let (Some(first), Some(last)) = (waypoints.first(), waypoints.last()) else { return Vec::new() };
     let digest = Sha1::digest(path.file_name().unwrap_or_default().as_encoded_bytes());
-    let key = digest.iter().take(8).fold(0, |key, &byte| key << 8 | u64::from(byte));
+    let key = digest.iter().take(8).fold(0, |key, &byte| (key << 8) | u64::from(byte));
     let mut rng = CounterRng::new(key, N_CUT_OFFS as u64);
     let span_ns = (last.time - first.time).as_nanos();
     let mut cut_offs: Vec<TruthPoint> = (0..MAX_DRAWS)

@@ -54,9 +54,10 @@ impl Motion {
             let (from, to) = (turned(pair[0]), turned(pair[1]));
             let turn = rotation_vector(from.inverse().after(to));
             let span_s = rows[pair[1]].time.secs_since(rows[pair[0]].time);
-            for k in pair[0]..pair[1] {
-                let share = rows[k].time.secs_since(rows[pair[0]].time) / span_s;
-                earth_from_device[k] = from.after(of_rotation_vector(turn.map(|c| share * c)));
+            let between = pair[0]..pair[1];
+            for (q, row) in earth_from_device[between.clone()].iter_mut().zip(&rows[between]) {
+                let share = row.time.secs_since(rows[pair[0]].time) / span_s;
+                *q = from.after(of_rotation_vector(turn.map(|c| share * c)));
             }
         }
         for q in &mut earth_from_device[last..] {
