@@ -200,12 +200,29 @@ pub struct RouteParams {
     pub start_power: f32,
     /// The density of a place that no line passes, in lines.
     pub start_floor: f32,
-    /// No cost up to this distance from a surveyed line, in metres.
+    /// No cost up to this distance from a surveyed line, in metres; less where surveyed lines keep closer together, and
+    /// the cost beyond is then steeper by as much.
     pub free_m: f32,
     /// Added to the log weight, at every step, per metre beyond.
     pub log_weight_per_m: f32,
+    /// Added to the log weight at every step right across surveyed lines that all run one way, less at a slant or where
+    /// they agree less.
+    #[serde(default)]
+    pub across_log_weight: f32,
     /// The most that is added (a negative number).
     pub min_log_weight: f32,
+}
+
+impl RouteParams {
+    /// The free distance, in metres, and the log weight per metre beyond it on a floor whose lines keep within `band_m` of
+    /// each other.
+    pub(crate) fn within(&self, band_m: f32) -> (f32, f32) {
+        if band_m < self.free_m {
+            (band_m, self.log_weight_per_m * (self.free_m / band_m))
+        } else {
+            (self.free_m, self.log_weight_per_m)
+        }
+    }
 }
 
 /// What the magnetic field says of a particle.

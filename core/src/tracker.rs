@@ -310,13 +310,16 @@ impl Tracker {
     fn apply_routes(&mut self) {
         let Some(routes) = self.recipe.routes else { return };
         let distances = &self.floor.map().layers.route_distance_m;
+        let (free_m, log_weight_per_m) = routes.within(self.floor.way_band_m());
         let particles = &mut self.state.particles;
         for i in 0..particles.x_m.len() {
-            let distance_m = self.floor.nearest(distances, particles.x_m[i], particles.y_m[i]);
-            let cost = distance_m.map_or(routes.min_log_weight, |d| {
-                (routes.log_weight_per_m * (d - routes.free_m).max(0.0)).max(routes.min_log_weight)
+            let (x_m, y_m) = (particles.x_m[i], particles.y_m[i]);
+            let cost = self.floor.nearest(distances, x_m, y_m).map_or(routes.min_log_weight, |d| {
+                (log_weight_per_m * (d - free_m).max(0.0)).max(routes.min_log_weight)
             });
-            particles.log_weight[i] += cost;
+            let (sin, cos) = (particles.heading_sin[i], particles.heading_cos[i]);
+            let across = self.floor.across_ways(x_m, y_m, sin, cos);
+            particles.log_weight[i] += cost + routes.across_log_weight * across;
         }
     }
 
