@@ -3,3 +3,4 @@
 pub mod field_vector;
 pub mod mass_centered;
 pub mod radio;
+pub mod three_factors;

@@ -1,8 +1,10 @@
 //! Particles: structure-of-arrays state, resampling, and the estimate that they stand for.
 
 mod estimate;
+mod spawning;
 
 pub use estimate::{CloudEstimate, EstimateScratch};
+pub use spawning::SpawningParams;
 
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +43,10 @@ pub struct Particles {
     /// The last terms of the mass-centred sum, newest first, in blocks of the window's length.
     #[serde(deserialize_with = "null_as_nan")]
     pub delta_errors_ut: Vec<f32>,
+    /// Strengths read from the map at the latest places, newest first, in blocks of the window's length; NaN where there
+    /// was none.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub recent_strengths_ut: Vec<f32>,
     /// Natural logarithm of the weight; the largest is 0 after normalisation.
     pub log_weight: Vec<f32>,
 }
@@ -62,6 +68,8 @@ pub(crate) enum Part {
     MassCentered,
     /// The mass-centred weight: as many values a particle as its window has steps.
     MassCenteredWindow,
+    /// The three factors: as many values a particle as their window has steps.
+    ThreeFactorsWindow,
 }
 
 /// The arrays of `Particles` with their parts, borrowed as the argument is.
@@ -82,6 +90,7 @@ macro_rules! arrays {
             bias_variance_ut2: FieldVector,
             strength_ut: MassCentered,
             delta_errors_ut: MassCenteredWindow,
+            recent_strengths_ut: ThreeFactorsWindow,
             log_weight: Always,
         })
     };

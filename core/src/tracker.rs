@@ -10,11 +10,12 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::Point2;
 use crate::map::FloorIndex;
 use crate::observation::radio::RadioObservation;
-use crate::observation::{field_vector, mass_centered, radio};
+use crate::observation::three_factors::ObservedStrengths;
+use crate::observation::{field_vector, mass_centered, radio, three_factors};
 use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
 use crate::pedestrian::StepEvent;
 use crate::random::{NormalTable, Purpose, draw, uniform};
-use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
+use crate::system::{LengthRule, MagneticRule, PlanRule, Recipe};
 use crate::time::Timestamp;
 
 /// Everything that the tracker remembers from step to step.
@@ -32,6 +33,15 @@ pub struct TrackerState {
     /// Mean length of the latest step over particles, in metres.
     step_length_m: f64,
     last_end_strength_ut: Option<f32>,
+    /// Heading of the device at the latest step, in the level frame, in radians.
+    #[serde(default)]
+    last_level_heading_rad: Option<f32>,
+    /// Mean strengths of the latest steps, for recipes that compare them.
+    #[serde(default)]
+    observed_strengths: ObservedStrengths,
+    /// Whether neither place nor direction was known at the start: what the steps say of a particle is then no evidence.
+    #[serde(default)]
+    is_start_unknown: bool,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
     /// The latest estimate: resampling loses what it was made from.
@@ -62,7 +72,7 @@ struct Scratch {
 impl Tracker {
     /// A tracker that knows no place yet.
     pub fn new(recipe: Recipe, floor: Arc<FloorIndex>, seed: u64) -> Self {
-        let n = recipe.n_particles.max(1);
+        let n = most_particles(&recipe);
         let window = match recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
             _ => 1,
@@ -96,25 +106,38 @@ impl Tracker {
     /// Continues from `state`, which a tracker with the same recipe, floor and seed has given.
     pub fn set_state(&mut self, state: TrackerState) {
         self.state = state;
+        self.reserve();
     }
 
     /// Whether `state`'s arrays are as long as this recipe's: a torn snapshot's are not.
     pub fn fits(&self, state: &TrackerState) -> bool {
-        let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
-        let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
-        let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
+        let most = self.recipe.n_particles.max(1);
+        let n = match (state.is_placed, self.recipe.spawning) {
+            (false, _) => 0,
+            (true, None) => most,
+            (true, Some(_)) => state.particles.len().clamp(1, most),
+        };
+        let length = self.recipe.motion.length;
+        let is_genetic = matches!(length, LengthRule::Genetic { .. });
+        let is_scaled = matches!(length, LengthRule::Scaled { .. });
+        let has_gyroscope = self.recipe.motion.heading.start_sd_rad().is_some();
         let window = match self.recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
+            _ => 0,
+        };
+        let factors_window = match self.recipe.magnetic {
+            MagneticRule::ThreeFactors(params) => params.n_steps(),
             _ => 0,
         };
         let a_particle = |part| match part {
             Part::Always => 1,
             Part::Gyroscope => usize::from(has_gyroscope && state.is_oriented),
-            Part::ScaledLength => usize::from(!is_genetic),
+            Part::ScaledLength => usize::from(is_scaled),
             Part::GeneticLength => usize::from(is_genetic),
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
+            Part::ThreeFactorsWindow => factors_window,
         };
         state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
     }
@@ -131,6 +154,7 @@ impl Tracker {
         let bits = (0..n as u32).map(|i| draw(seed, step, i, Purpose::Start));
         let (x_m, y_m) = bits.map(|b| (coordinate(point.x_m, b[0]), coordinate(point.y_m, b[1]))).unzip();
         self.occupy(x_m, y_m);
+        self.state.is_start_unknown = false;
     }
 
     /// The latest estimate; nothing before the particles have a place.
@@ -165,6 +189,9 @@ impl Tracker {
             self.orient(event);
         }
         self.state.n_steps = self.state.n_steps.wrapping_add(1);
+        if let Some(spawning) = &self.recipe.spawning {
+            self.state.particles.spawn(spawning.n_children);
+        }
         self.weigh_alike();
         self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
         self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
@@ -248,6 +275,18 @@ impl Tracker {
                     field_vector::update(params, &self.floor, field, &mut self.state.particles);
                 }
             }
+            MagneticRule::ThreeFactors(params) => {
+                let observed = &mut self.state.observed_strengths;
+                observed.push(three_factors::mean_strength_ut(event));
+                three_factors::update(params, &self.floor, observed, &mut self.state.particles);
+            }
+        }
+    }
+
+    /// Reserves the room that a step takes, so that none has to be found in it.
+    fn reserve(&mut self) {
+        if self.recipe.spawning.is_some() {
+            self.state.particles.reserve(most_particles(&self.recipe));
         }
     }
 
@@ -286,6 +325,12 @@ impl Tracker {
     }
 
     fn resample(&mut self) {
+        if let Some(spawning) = &self.recipe.spawning {
+            let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
+            let (n_max, Scratch { weights, resample, .. }) = (self.recipe.n_particles, &mut self.scratch);
+            self.state.particles.thin(spawning, n_max, weights, u, resample);
+            return;
+        }
         let n = self.state.particles.len() as f64;
         let is_degenerate = self
             .state
@@ -302,6 +347,12 @@ impl Tracker {
             }
         }
     }
+}
+
+/// The most particles that there are at any moment of a step.
+fn most_particles(recipe: &Recipe) -> usize {
+    let n_children = recipe.spawning.map_or(1, |spawning| spawning.n_children.max(1));
+    recipe.n_particles.max(1).saturating_mul(n_children)
 }
 
 #[cfg(test)]

@@ -40,6 +40,9 @@ impl Default for EstimateScratch {
 
 impl CloudEstimate {
     /// The estimate of `particles` under `weights` (any positive scale); nothing when the weights sum to zero.
+    ///
+    /// # Source
+    /// iBILL 2017, Eq. 14, and the other papers alike: the weighted mean.
     pub fn of(particles: &Particles, weights: &[f32], scratch: &mut EstimateScratch) -> Option<Self> {
         let (mut total, mut square, mut x, mut y, mut sin, mut cos) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         for (i, &w) in weights.iter().enumerate() {

@@ -20,6 +20,7 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.0, step_sd: 0.08 },
             },
+            spawning: None,
             plan: PlanRule::Ignore,
             routes: None,
             magnetic: MagneticRule::Ignore,

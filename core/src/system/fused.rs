@@ -22,6 +22,7 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
+            spawning: None,
             plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
             routes: Some(RouteParams {
                 start_power: 2.0,

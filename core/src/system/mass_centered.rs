@@ -32,6 +32,7 @@ impl Recipe {
                     step_sd_m: 0.05,
                 },
             },
+            spawning: None,
             plan: PlanRule::Purge,
             routes: None,
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),

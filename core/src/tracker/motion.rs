@@ -1,7 +1,8 @@
 //! How particles move at a step.
 
+use crate::geometry::wrap_rad;
 use crate::pedestrian::StepEvent;
-use crate::random::{Purpose, draw};
+use crate::random::{Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule};
 use crate::tracker::Tracker;
 
@@ -15,6 +16,11 @@ impl Tracker {
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
+        // What turns the device between two steps turns the walker.
+        let last_heading_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
+        let turn_rad = last_heading_rad
+            .map_or(0.0, |last_rad| wrap_rad(f64::from(event.level_heading_rad) - f64::from(last_rad)).abs());
+        let is_weighed = !self.state.is_start_unknown;
         for i in 0..n {
             let bits = draw(self.seed, self.state.n_steps, i as u32, Purpose::Motion);
             let noise = bits.map(|b| self.normal.sample(b));
@@ -29,6 +35,11 @@ impl Tracker {
                     particles.gene_a_m[i] * event.cycle.frequency_hz
                         + particles.gene_b_m[i]
                         + step_sd_m * noise[1]
+                }
+                LengthRule::Interval { spread, half_width_sd } => {
+                    let z = half_width_sd * (2.0 * uniform(bits[1]) - 1.0);
+                    particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
+                    modelled_m + spread.sd_m(modelled_m) * z
                 }
             }
             .clamp(0.0, 1.5);
@@ -47,6 +58,14 @@ impl Tracker {
                     particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
                     libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
                 }
+                HeadingRule::GyroscopeTurns { sd_rad, half_width_sd, from_rad, .. } => {
+                    if turn_rad >= f64::from(from_rad) {
+                        let z = half_width_sd * (2.0 * uniform(bits[2]) - 1.0);
+                        particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
+                        particles.heading_offset_rad[i] += sd_rad * z;
+                    }
+                    libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
+                }
             };
             particles.heading_sin[i] = sin;
             particles.heading_cos[i] = cos;
@@ -57,6 +76,15 @@ impl Tracker {
         }
         self.state.step_length_m = lengths_m / n.max(1) as f64;
     }
+}
+
+/// Logarithm of the normal density at `z` standard deviations, over that at the mean.
+///
+/// # Source
+/// iBILL 2017, Eqs 15 and 16; their normalisation over particles is left to the weights' own.
+#[inline]
+fn log_normal(z: f32) -> f32 {
+    -0.5 * z * z
 }
 
 /// Sine and cosine of a small angle by their series: within 1e-3 below one radian, where noise lives.

@@ -5,7 +5,7 @@ use crate::observation::radio::{RadioObservation, log_likelihood};
 use crate::particle::Particles;
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
-use crate::system::{HeadingRule, LengthRule, MagneticRule, StartRule};
+use crate::system::{LengthRule, MagneticRule, StartRule};
 use crate::tracker::Tracker;
 
 /// Without a hint, particles start within this distance of a surveyed line, in metres.
@@ -48,6 +48,7 @@ impl Tracker {
                 particles.gene_a_m = genes.iter().map(|g| a_m + a_sd_m * g[0]).collect();
                 particles.gene_b_m = genes.iter().map(|g| b_m + b_sd_m * g[1]).collect();
             }
+            LengthRule::Interval { .. } => {}
         }
         match &self.recipe.magnetic {
             MagneticRule::Ignore => {}
@@ -66,6 +67,9 @@ impl Tracker {
                 particles.bias_z_ut = vec![0.0; n];
                 particles.bias_variance_ut2 = vec![params.bias_sd_ut * params.bias_sd_ut; n];
             }
+            MagneticRule::ThreeFactors(params) => {
+                particles.recent_strengths_ut = vec![f32::NAN; n * params.n_steps()];
+            }
         }
         if let Some(routes) = self.recipe.routes {
             let densities = &self.floor.map().layers.route_density;
@@ -77,6 +81,7 @@ impl Tracker {
         self.state.particles = particles;
         self.state.is_placed = true;
         self.state.is_oriented = false;
+        self.reserve();
         self.weigh_alike();
         self.weigh();
         self.estimate_cloud();
@@ -137,7 +142,7 @@ impl Tracker {
     /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
     pub(super) fn orient(&mut self, event: &StepEvent) {
         self.state.is_oriented = true;
-        let HeadingRule::Gyroscope { start_sd_rad, .. } = self.recipe.motion.heading else { return };
+        let Some(start_sd_rad) = self.recipe.motion.heading.start_sd_rad() else { return };
         let deviations = &self.floor.map().layers.compass_deviation_rad;
         let (seed, step) = (self.seed, self.state.n_steps);
         let particles = &mut self.state.particles;
@@ -160,13 +165,18 @@ impl Tracker {
     pub(super) fn recover(&mut self) {
         self.state.n_recoveries += 1;
         let Some(estimate) = self.state.estimate else { return };
-        let offsets = core::mem::take(&mut self.state.particles.heading_offset_rad);
-        let sin = core::mem::take(&mut self.state.particles.heading_sin);
-        let cos = core::mem::take(&mut self.state.particles.heading_cos);
+        let dead = core::mem::take(&mut self.state.particles);
+        let is_start_unknown = self.state.is_start_unknown;
         self.place(Point2::new(estimate.x_m, estimate.y_m), RECOVERY_RADIUS_M);
-        self.state.particles.heading_offset_rad = offsets;
-        self.state.particles.heading_sin = sin;
-        self.state.particles.heading_cos = cos;
+        self.state.is_start_unknown = is_start_unknown;
+        let particles = &mut self.state.particles;
+        // Where particles spawn, more or fewer may have died than begin.
+        let n = particles.len();
+        let kept = |array: &[f32]| array.iter().copied().cycle().take(n).collect();
+        particles.heading_offset_rad = kept(&dead.heading_offset_rad);
+        particles.heading_sin = kept(&dead.heading_sin);
+        particles.heading_cos = kept(&dead.heading_cos);
         self.state.is_oriented = true;
+        self.reserve();
     }
 }
