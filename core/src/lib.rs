@@ -34,6 +34,7 @@
 #![forbid(unsafe_code)]
 
 pub mod attitude;
+pub mod beacon_mode;
 pub mod calibration;
 pub mod floor_plan;
 pub mod front_end;

@@ -7,6 +7,7 @@ mod mass_centered;
 
 use serde::{Deserialize, Serialize};
 
+use crate::beacon_mode::BeaconModeParams;
 use crate::front_end::FrontEndRule;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::mass_centered::MassCenteredParams;
@@ -43,6 +44,9 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Whether clusters of beacons take over from the particles, and how.
+    #[serde(default)]
+    pub beacons: Option<BeaconModeParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
     /// How the stated radii follow from the cloud.
@@ -61,6 +65,18 @@ pub enum StartRule {
     /// # Source
     /// Kwak 2018, §5.2: uniform over the area.
     WholeFloor,
+    /// In a circle round the place that the ranges to the nearest cluster of beacons give, roughly, in every direction
+    /// from every place; without beacons along the surveyed routes. What the steps say of a particle is then no evidence
+    /// before a cluster is entered.
+    ///
+    /// # Source
+    /// iBILL 2017, Fig. 7; the numbers are ours.
+    Circle {
+        /// `N_d`: directions, evenly spread.
+        n_directions: usize,
+        /// `N_l`: places, by chance.
+        n_places: usize,
+    },
 }
 
 /// How particles move at a step.

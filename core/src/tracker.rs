@@ -1,5 +1,6 @@
 //! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
 
+mod beacons;
 mod motion;
 mod start;
 
@@ -7,6 +8,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use beacons::Pause;
+
+use crate::beacon_mode::{BeaconCluster, BeaconVisit, find_clusters};
 use crate::geometry::Point2;
 use crate::map::FloorIndex;
 use crate::observation::radio::RadioObservation;
@@ -14,9 +18,9 @@ use crate::observation::three_factors::ObservedStrengths;
 use crate::observation::{field_vector, mass_centered, radio, three_factors};
 use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
 use crate::pedestrian::StepEvent;
+use crate::radio::range::Range;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{LengthRule, MagneticRule, PlanRule, Recipe};
-use crate::time::Timestamp;
 
 /// Everything that the tracker remembers from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -42,10 +46,33 @@ pub struct TrackerState {
     /// Whether neither place nor direction was known at the start: what the steps say of a particle is then no evidence.
     #[serde(default)]
     is_start_unknown: bool,
+    /// The sum of the steps by the length model, in the level frame, in metres.
+    #[serde(default)]
+    walked: Point2,
+    /// The visit to a cluster of beacons, if there is one.
+    #[serde(default)]
+    visit: BeaconVisit,
+    /// Whether positioning pauses.
+    #[serde(default)]
+    pause: Pause,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
     /// The latest estimate: resampling loses what it was made from.
     estimate: Option<CloudEstimate>,
+}
+
+/// What the particles' place rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackerMode {
+    /// Steps, and what weighs them.
+    Particles,
+    /// Ranges to a cluster of beacons.
+    Beacons,
+    /// Nothing new: positioning pauses, after so many steps of which nothing was made.
+    Paused {
+        /// The steps.
+        n_steps: u32,
+    },
 }
 
 /// Runs one recipe on one floor.
@@ -55,9 +82,14 @@ pub struct Tracker {
     floor: Arc<FloorIndex>,
     seed: u64,
     normal: NormalTable,
+    /// Those of the floor, where the recipe follows them.
+    clusters: Vec<BeaconCluster>,
     state: TrackerState,
     scratch: Scratch,
 }
+
+/// Ranges that a place is made from, at most.
+const MAX_RANGES: usize = 64;
 
 /// Memory that one step needs and the next does not remember.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +99,9 @@ struct Scratch {
     weights: Vec<f32>,
     resample: ResampleScratch,
     estimate: EstimateScratch,
+    ranges: Vec<Range>,
+    /// By what angle the device turned from the last step to this one, in radians.
+    turned_rad: f64,
 }
 
 impl Tracker {
@@ -83,9 +118,14 @@ impl Tracker {
             weights: Vec::with_capacity(n),
             resample: ResampleScratch::with_capacity(n, window),
             estimate: EstimateScratch::default(),
+            ranges: Vec::with_capacity(MAX_RANGES),
+            turned_rad: 0.0,
         };
+        let clusters = recipe
+            .beacons
+            .map_or(Vec::new(), |beacons| find_clusters(&floor.map().transmitters, beacons.range_m));
         let normal = NormalTable::new();
-        Self { recipe, floor, seed, normal, state: TrackerState::default(), scratch }
+        Self { recipe, floor, seed, normal, clusters, state: TrackerState::default(), scratch }
     }
 
     /// The recipe that runs.
@@ -155,6 +195,8 @@ impl Tracker {
         let (x_m, y_m) = bits.map(|b| (coordinate(point.x_m, b[0]), coordinate(point.y_m, b[1]))).unzip();
         self.occupy(x_m, y_m);
         self.state.is_start_unknown = false;
+        self.state.pause = Pause::Running;
+        self.state.visit.leave();
     }
 
     /// The latest estimate; nothing before the particles have a place.
@@ -179,8 +221,12 @@ impl Tracker {
 
     /// Consumes a step and what radio was heard during it.
     pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        self.reckon(event);
+        if self.is_paused_by(event) {
+            return;
+        }
         if !self.state.is_placed {
-            if self.recipe.radio.is_some() && self.waits_for_radio(radio) {
+            if (self.recipe.radio.is_some() || !self.clusters.is_empty()) && self.waits_for_radio(radio) {
                 return;
             }
             self.place_unknown(radio);
@@ -209,16 +255,6 @@ impl Tracker {
         }
         self.estimate_cloud();
         self.resample();
-    }
-
-    /// Whether this recipe wants to know once a second what radio was heard.
-    pub fn uses_radio_rounds(&self) -> bool {
-        false
-    }
-
-    /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
-    pub fn hear(&mut self, _now: Timestamp, _radio: &[RadioObservation]) -> bool {
-        false
     }
 
     fn apply_plan(&mut self) {
@@ -361,6 +397,7 @@ mod tests {
     use crate::floor_plan::FloorPlan;
     use crate::map::{FloorMap, GridFrame, Layers};
     use crate::step::StepCycle;
+    use crate::time::Timestamp;
 
     /// 60 m × 20 m where the field grows by 2 µT a metre along x.
     fn slope() -> FloorIndex {

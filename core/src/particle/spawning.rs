@@ -23,6 +23,30 @@ impl Particles {
         }
     }
 
+    /// Repeats the particles, or leaves the last ones out, until there are `n`.
+    pub(crate) fn repeat_to(&mut self, n: usize) {
+        let n_now = self.len();
+        if n_now == 0 {
+            return;
+        }
+        for (_, array) in self.arrays_mut() {
+            let block = array.len() / n_now;
+            array.truncate(n * block);
+            while array.len() < n * block {
+                let missing = n * block - array.len();
+                array.extend_from_within(..missing.min(n_now * block));
+            }
+        }
+    }
+
+    /// Forgets what particles remember of the places where they were, and their weights.
+    pub(crate) fn forget_places(&mut self) {
+        self.strength_ut.fill(f32::NAN);
+        self.delta_errors_ut.fill(f32::NAN);
+        self.recent_strengths_ut.fill(f32::NAN);
+        self.log_weight.fill(0.0);
+    }
+
     /// Makes every particle `n_children` in its place, side by side, its weight inherited by each.
     ///
     /// # Source
@@ -152,6 +176,18 @@ mod tests {
         assert_eq!(particles.log_weight[3..], [libm::logf(0.5); 3]);
         particles.spawn(1);
         assert_eq!(particles.len(), 6);
+    }
+
+    #[test]
+    fn repeating_keeps_blocks_together() {
+        let mut particles = cloud(&[1.0, 0.5]);
+        particles.repeat_to(3);
+        assert_eq!(particles.x_m, [0.0, 1.0, 0.0]);
+        assert_eq!(particles.recent_strengths_ut, [0.0, 1.0, 2.0, 3.0, 0.0, 1.0]);
+        particles.repeat_to(1);
+        assert_eq!((particles.len(), particles.recent_strengths_ut.len()), (1, 2));
+        particles.forget_places();
+        assert!(particles.recent_strengths_ut.iter().all(|ut| ut.is_nan()) && particles.log_weight == [0.0]);
     }
 
     #[test]

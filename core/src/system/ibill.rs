@@ -1,5 +1,6 @@
 //! iBILL 2017: spawning particles weighed by three factors, corrected where clusters of iBeacons hang.
 
+use crate::beacon_mode::BeaconModeParams;
 use crate::front_end::FrontEndRule;
 use crate::observation::three_factors::ThreeFactorsParams;
 use crate::particle::SpawningParams;
@@ -28,7 +29,7 @@ impl Recipe {
         Self {
             name: "ibill".into(),
             front_end: FrontEndRule::Phone,
-            start: StartRule::Routes,
+            start: StartRule::Circle { n_directions: 12, n_places: 80 },
             n_particles: 1000,
             length: FITTED_LENGTH,
             motion: MotionParams {
@@ -49,6 +50,7 @@ impl Recipe {
             routes: None,
             magnetic: MagneticRule::ThreeFactors(ThreeFactorsParams::default()),
             radio: None,
+            beacons: Some(BeaconModeParams::default()),
             resample_below: 0.0,
             accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
         }

@@ -1,12 +1,23 @@
 //! How particles move at a step.
 
-use crate::geometry::wrap_rad;
+use crate::geometry::{Point2, wrap_rad};
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule};
 use crate::tracker::Tracker;
 
 impl Tracker {
+    /// Adds a step to what the steps alone say, whatever is made of it.
+    pub(super) fn reckon(&mut self, event: &StepEvent) {
+        let heading_rad = f64::from(event.level_heading_rad);
+        let last_heading_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
+        // What turns the device between two steps turns the walker.
+        self.scratch.turned_rad =
+            last_heading_rad.map_or(0.0, |last_rad| wrap_rad(heading_rad - f64::from(last_rad)).abs());
+        let step_m = f64::from(self.recipe.length.advance_m(&event.cycle));
+        self.state.walked = self.state.walked + Point2::from_polar(step_m, heading_rad);
+    }
+
     /// Moves every particle by one step of its own length in its own direction.
     pub(super) fn move_particles(&mut self, event: &StepEvent) {
         let modelled_m = self.recipe.length.advance_m(&event.cycle);
@@ -16,10 +27,6 @@ impl Tracker {
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
-        // What turns the device between two steps turns the walker.
-        let last_heading_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
-        let turn_rad = last_heading_rad
-            .map_or(0.0, |last_rad| wrap_rad(f64::from(event.level_heading_rad) - f64::from(last_rad)).abs());
         let is_weighed = !self.state.is_start_unknown;
         for i in 0..n {
             let bits = draw(self.seed, self.state.n_steps, i as u32, Purpose::Motion);
@@ -59,7 +66,7 @@ impl Tracker {
                     libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
                 }
                 HeadingRule::GyroscopeTurns { sd_rad, half_width_sd, from_rad, .. } => {
-                    if turn_rad >= f64::from(from_rad) {
+                    if self.scratch.turned_rad >= f64::from(from_rad) {
                         let z = half_width_sd * (2.0 * uniform(bits[2]) - 1.0);
                         particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
                         particles.heading_offset_rad[i] += sd_rad * z;

@@ -97,7 +97,7 @@ impl Tracker {
             self.floor.is_open(x_m as f32, y_m as f32)
         };
         let is_start = |node: &usize| match self.recipe.start {
-            StartRule::Routes => is_route(*node),
+            StartRule::Routes | StartRule::Circle { .. } => is_route(*node),
             StartRule::WholeFloor => is_open(*node),
         };
         let mut nodes: Vec<usize> = (0..frame.len()).filter(is_start).collect();
@@ -137,6 +137,7 @@ impl Tracker {
             y_m.push((centre.y_m + jitter_m(bits[1])) as f32);
         }
         self.occupy(x_m, y_m);
+        self.state.is_start_unknown = matches!(self.recipe.start, StartRule::Circle { .. });
     }
 
     /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
@@ -145,15 +146,20 @@ impl Tracker {
         let Some(start_sd_rad) = self.recipe.motion.heading.start_sd_rad() else { return };
         let deviations = &self.floor.map().layers.compass_deviation_rad;
         let (seed, step) = (self.seed, self.state.n_steps);
+        let n_directions = self.directions_and_number().0;
+        let azimuth_rad = event.azimuth_rad().filter(|_| !self.state.is_start_unknown);
         let particles = &mut self.state.particles;
         particles.heading_offset_rad.clear();
         for i in 0..particles.x_m.len() {
             let bits = draw(seed, step, i as u32, Purpose::Genes);
-            let offset = match event.azimuth_rad() {
+            let offset = match azimuth_rad {
                 Some(azimuth) => {
                     let deviation =
                         self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
                     azimuth + deviation - event.level_heading_rad + start_sd_rad * self.normal.sample(bits[2])
+                }
+                None if self.state.is_start_unknown => {
+                    core::f32::consts::TAU * (i % n_directions) as f32 / n_directions as f32
                 }
                 None => core::f32::consts::TAU * uniform(bits[2]),
             };
