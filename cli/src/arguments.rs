@@ -2,6 +2,7 @@
 
 mod import;
 mod report;
+mod reproduce;
 mod simulate;
 mod values;
 
@@ -16,6 +17,7 @@ use crate::floors::Layout;
 
 pub use import::ImportArguments;
 pub use report::{EvaluationReport, ReportArguments};
+pub use reproduce::{PaperChoice, ReproduceArguments};
 pub use simulate::SimulateArguments;
 pub use values::{ReplayStart, Seeds};
 
@@ -41,6 +43,7 @@ pub enum Command {
     Replay(ReplayArguments),
     Evaluate(EvaluateArguments),
     Report(ReportArguments),
+    Reproduce(ReproduceArguments),
     Train(TrainArguments),
     Import(ImportArguments),
     Simulate(SimulateArguments),
@@ -92,6 +95,8 @@ pub enum Dataset {
     OxfordSteps,
     /// The attitude benchmark of Tyrex: attitude and heading.
     Tyrex,
+    /// The position-annotated BLE collection: ranges, trilateration, fingerprints.
+    BleAnnotated,
 }
 
 /// Build a building's map from surveyed floors.
@@ -226,6 +231,7 @@ Examples:
   fieldwalk evaluate site1/F1 --systems fused --recipe mine.json
   fieldwalk evaluate --dataset oxford-steps oxford-steps --json
   fieldwalk evaluate --dataset tyrex tyrex-attitude --json
+  fieldwalk evaluate --dataset ble-annotated ble-annotated --json
   fieldwalk evaluate --dataset oxford-steps oxford-steps --plots miscounted
   fieldwalk evaluate --dataset ilc site1 --lengths
 
@@ -260,6 +266,17 @@ JSON for the others, and with --lengths: one object a subset (\"all\": pooled), 
                       right decisions. Systems: `printed`, the paper's table
                       stride by stride; `trained`, a table of one half of the
                       trials scored on the other, both ways; `shipped`; `file`
+  ble-annotated       range_bias_m: mean over receivers and rounds of range minus
+                      distance; range_error_median_m of its absolute value
+                      place_error_median_m, place_error_p80_m, placed_percent:
+                      places against the AR tags, and share of rounds with one;
+                      reliable_percent: share whose beacons stand well
+                      truth_near_match_percent: share of rounds whose truth lies
+                      within 6 m of the matched cell, where the card's filter
+                      keeps particles; truth_dropped_percent: outside twice in a
+                      row. Subsets `fixed`, `tracks`; with _near, where three
+                      receivers hang within 6 m of the truth. _1s, _5s: power
+                      averaged over so long
   --lengths           segment_length_error_percent: mean over straight segments
                       between waypoints, ten steps into a walk, of the length
                       by the steps against the true one, for static 0.65 m,

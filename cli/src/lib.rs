@@ -14,6 +14,7 @@ pub mod floors;
 pub mod plot;
 mod progress;
 pub mod report;
+pub mod reproduce;
 mod simulated;
 mod stop;
 mod table;
@@ -46,6 +47,7 @@ pub fn run_from<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T
         Command::Replay(arguments) => commands::replay::run(arguments, &mut out),
         Command::Evaluate(arguments) => commands::evaluate::run(arguments, &mut out),
         Command::Report(arguments) => commands::report::run(arguments, &mut out),
+        Command::Reproduce(arguments) => commands::reproduce::run(arguments, &mut out),
         Command::Train(TrainArguments { part: TrainedPart::Attitude(arguments) }) => {
             commands::train::attitude(arguments, &mut out)
         }

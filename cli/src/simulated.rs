@@ -6,10 +6,14 @@ use std::io::Read as _;
 use std::path::Path;
 
 use fieldwalk::geometry::Point2;
-use fieldwalk::time::Timestamp;
+use fieldwalk::survey::Waypoint;
+use fieldwalk::time::{Duration, Timestamp};
 use fieldwalk_formats::FormatError;
 use fieldwalk_formats::recording::{Record, RecordingInfo, RecordingWriter};
 use fieldwalk_sim::scenario::Recorded;
+
+use crate::evaluation::{PointKind, TestWalk, TruthPoint};
+use crate::report::Truth;
 
 /// The first line of a truth.
 const TRUTH_HEADER: &str = "time_ns,x_m,y_m,heading_rad,floor";
@@ -78,6 +82,21 @@ pub fn read_truth(recording: &Path, floor: i32) -> Result<Option<Vec<(Timestamp,
     let file = File::open(&path).map_err(failed)?;
     file.take(MAX_TRUTH_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
     parse_truth(&text, floor).map(Some).map_err(|error| error.at_path(&path))
+}
+
+/// The recording, its fixes to be scored once a second from `first_scored_s` on against the simulator's truth; nothing
+/// when there is no truth.
+pub fn test_walk(recorded: Recorded, first_scored_s: i64) -> Option<TestWalk> {
+    let (first, last) = (*recorded.truth.first()?, *recorded.truth.last()?);
+    let truth = (first_scored_s..)
+        .map(|after_s| first.time + Duration::from_millis(1_000 * after_s))
+        .take_while(|&time| time <= last.time)
+        .filter_map(|time| recorded.truth_at(time))
+        .map(|truth| TruthPoint { kind: PointKind::Truth, time: truth.time, point: truth.position })
+        .collect();
+    let start = Waypoint { time: first.time, point: first.position };
+    let line = Truth::continuous(recorded.truth.iter().map(|truth| (truth.time, truth.position)));
+    Some(TestWalk { samples: recorded.samples, start, truth, line })
 }
 
 fn parse_truth(text: &str, floor: i32) -> Result<Vec<(Timestamp, Point2)>, FormatError> {

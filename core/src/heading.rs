@@ -6,9 +6,10 @@
 //!
 //! What the systems use of this is data in their recipes. `fused` and `dead-reckoning` carry the level frame of
 //! [`gravity`](crate::gravity) by the gyroscope and leave north to their particles; `mass-centered` takes each step's
-//! compass azimuth and adds the surveyed deviation of the place. The estimators here give a heading without a map:
-//! at a start, for a display, or for an engineer who compares them. The pathway model and the axis of the walk are
-//! parts for the systems that ask for them.
+//! compass azimuth and adds the surveyed deviation of the place; `card` lets most particles follow the ways of the
+//! plan, by that azimuth or by their own last heading. The estimators here give a heading without a map:
+//! at a start, for a display, or for an engineer who compares them. The axis of the walk is a part
+//! for the systems that ask for it.
 
 mod compass;
 mod fused;
@@ -20,7 +21,7 @@ mod walk_direction;
 pub use compass::{Compass, CompassParams, LevelCompass, earth_from_device};
 pub use fused::{FusedHeading, FusedHeadingParams};
 pub use gyroscope::GyroscopeHeading;
-pub use pathway::{PathwayParams, Pathways, pathway_heading_rad};
+pub use pathway::{PathwayParams, Pathways, WayGrid, pathway_heading_rad};
 pub use scalar_kalman::{ScalarKalman, ScalarKalmanParams, WilaHeading};
 pub use walk_direction::{WalkAxis, WalkAxisEstimator};
 

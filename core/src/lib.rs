@@ -36,6 +36,7 @@
 pub mod attitude;
 pub mod beacon_mode;
 pub mod calibration;
+pub mod card;
 pub mod floor_plan;
 pub mod front_end;
 pub mod geometry;

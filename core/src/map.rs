@@ -1,7 +1,9 @@
-//! What a survey measured: magnetic layers, compass deviation, surveyed routes, radio transmitters.
+//! What a survey measured: magnetic layers, compass deviation, surveyed routes, radio transmitters and fingerprints.
 
+mod fingerprints;
 mod index;
 
+pub use fingerprints::Fingerprints;
 pub use index::FloorIndex;
 
 use serde::{Deserialize, Serialize};
@@ -81,6 +83,8 @@ pub struct FloorMap {
     pub routes: Vec<Vec<Point2>>,
     /// The transmitters heard.
     pub transmitters: Vec<Transmitter>,
+    /// How strongly each of them was received where.
+    pub fingerprints: Fingerprints,
 }
 
 /// A building: its floors, from the lowest to the highest ordinal.

@@ -1,6 +1,7 @@
 //! Observations: how well each particle's place explains what was sensed, as log-likelihoods.
 
 pub mod field_vector;
+pub mod history;
 pub mod mass_centered;
 pub mod radio;
 pub mod three_factors;

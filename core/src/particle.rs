@@ -1,9 +1,11 @@
 //! Particles: structure-of-arrays state, resampling, and the estimate that they stand for.
 
 mod estimate;
+mod replenish;
 mod spawning;
 
 pub use estimate::{CloudEstimate, EstimateScratch};
+pub use replenish::{ReplenishParams, ReplenishScratch};
 pub use spawning::SpawningParams;
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +13,9 @@ use serde::{Deserialize, Serialize};
 /// The particles' state, one array a quantity; every array in use has the same length.
 ///
 /// Arrays that a system does not use stay empty.
+///
+/// # Source
+/// Kwak 2018, Eq. 2: place, last heading, weight, count of the BLE filter and history of a particle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Particles {
     /// Position along the floor's x, in metres.
@@ -43,6 +48,10 @@ pub struct Particles {
     /// The last terms of the mass-centred sum, newest first, in blocks of the window's length.
     #[serde(deserialize_with = "null_as_nan")]
     pub delta_errors_ut: Vec<f32>,
+    /// What the map said along the particle's way, in µT: a block of the history's length, plane by plane.
+    pub history_ut: Vec<f32>,
+    /// What the history added to the log weight at the last round.
+    pub history_log_weight: Vec<f32>,
     /// Strengths read from the map at the latest places, newest first, in blocks of the window's length; NaN where there
     /// was none.
     #[serde(default, deserialize_with = "null_as_nan")]
@@ -68,6 +77,10 @@ pub(crate) enum Part {
     MassCentered,
     /// The mass-centred weight: as many values a particle as its window has steps.
     MassCenteredWindow,
+    /// The weight by histories.
+    History,
+    /// The weight by histories: as many values a particle as its history has.
+    HistoryWindow,
     /// The three factors: as many values a particle as their window has steps.
     ThreeFactorsWindow,
 }
@@ -90,6 +103,8 @@ macro_rules! arrays {
             bias_variance_ut2: FieldVector,
             strength_ut: MassCentered,
             delta_errors_ut: MassCenteredWindow,
+            history_ut: HistoryWindow,
+            history_log_weight: History,
             recent_strengths_ut: ThreeFactorsWindow,
             log_weight: Always,
         })
@@ -138,6 +153,18 @@ impl Particles {
 
     fn arrays_mut(&mut self) -> impl Iterator<Item = (Part, &mut Vec<f32>)> {
         arrays!(self).into_iter()
+    }
+
+    /// Makes particle `child` a copy of `parent` in all that it remembers.
+    pub(crate) fn inherit(&mut self, child: usize, parent: usize) {
+        let n = self.len();
+        if child >= n || parent >= n {
+            return;
+        }
+        for (_, array) in self.arrays_mut() {
+            let block = array.len() / n;
+            array.copy_within(parent * block..(parent + 1) * block, child * block);
+        }
     }
 
     /// Replaces the particles by a systematic sample of `weights` (not necessarily normalised), offset `u` in [0, 1).
@@ -209,6 +236,18 @@ mod tests {
         assert_eq!(particles.x_m, [2.0, 2.0, 3.0, 3.0]);
         assert_eq!(particles.delta_errors_ut[..6], [6.0, 7.0, 8.0, 6.0, 7.0, 8.0]);
         assert_eq!(particles.log_weight, [0.0; 4]);
+    }
+
+    #[test]
+    fn a_newcomer_inherits_all() {
+        let mut particles = cloud(3);
+        particles.log_weight = vec![-1.0, -2.0, -3.0];
+        particles.inherit(0, 2);
+        assert_eq!(particles.x_m, [2.0, 1.0, 2.0]);
+        assert_eq!(particles.delta_errors_ut, [6.0, 7.0, 8.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+        assert_eq!(particles.log_weight, [-3.0, -2.0, -3.0]);
+        particles.inherit(1, 3);
+        assert_eq!(particles.x_m[1], 1.0);
     }
 
     proptest! {

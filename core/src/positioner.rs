@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 pub use fix::{Fix, Mode};
 
+use crate::card::CardCounts;
 use crate::front_end::FrontEnd;
 use crate::geometry::{Point2, wrap_rad};
 use crate::map::FloorIndex;
@@ -208,6 +209,11 @@ impl Positioner {
             return Err(PositionError::TimeInPast { asked: time, consumed });
         }
         let estimate = self.tracker.estimate().ok_or(PositionError::NoFix)?;
+        // Where radio is all, samples of other sensors keep nothing fresh.
+        let last_known = match self.tracker.last_match() {
+            Some(matched_at) => matched_at.max(self.progress.hint_time),
+            None => last_heard,
+        };
         let turned_rad = self.progress.last_step.map_or(0.0, |step| {
             wrap_rad(f64::from(self.front_end.level_heading_rad()) - f64::from(step.level_heading_rad))
         });
@@ -220,7 +226,7 @@ impl Positioner {
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,
             attitude: self.front_end.attitude(),
-            last_heard,
+            last_heard: last_known,
             time,
         }))
     }
@@ -239,6 +245,11 @@ impl Positioner {
     /// What was refused so far, by cause.
     pub fn rejections(&self) -> Rejections {
         self.reorder.rejections()
+    }
+
+    /// What became of a card's frames; nothing where none are read.
+    pub fn card_counts(&self) -> Option<CardCounts> {
+        self.front_end.card_counts()
     }
 
     /// Times that every particle died and the cloud was spread anew.
@@ -287,16 +298,25 @@ impl Positioner {
         if let Reading::Radio(sighting) = sample.reading {
             self.hear(sighting.transmitter, sighting.rssi_dbm);
         }
-        let Some(event) = self.front_end.push(sample) else { return has_moved };
+        let Some(mut event) = self.front_end.push(sample) else { return has_moved };
         observe(&mut self.progress.heard, &mut self.observations);
-        self.tracker.step(&event, &self.observations);
-        self.progress.last_step = Some(event);
-        true
+        loop {
+            self.tracker.step(&event, &self.observations);
+            self.progress.last_step = Some(event);
+            let Some(next) = self.front_end.pop() else { return true };
+            // What was heard belongs to the first alone.
+            self.observations.clear();
+            event = next;
+        }
     }
 
     /// Hands what was heard to the tracker when `now` lies a round after the open one's start; silence too.
     fn close_round(&mut self, now: Timestamp) -> bool {
         let start = *self.progress.round_start.get_or_insert(now);
+        if now < start {
+            // The clock was set back: the round begins anew.
+            self.progress.round_start = Some(now);
+        }
         if now - start < RADIO_ROUND {
             return false;
         }

@@ -3,6 +3,7 @@
 //! A *transmitter* is whatever the map names: a beacon or an access point that a phone hears, or, for a card, an access
 //! point that hears the card and reports its power. Path loss knows no direction, so both are the same to all below.
 
+pub mod fingerprint;
 pub mod path_loss;
 pub mod range;
 pub mod trilateration;
@@ -38,6 +39,12 @@ impl MeanPower {
         }
     }
 
+    /// Takes in all that `other` took in.
+    pub fn add(&mut self, other: &Self) {
+        self.sum_mw += other.sum_mw;
+        self.n += other.n;
+    }
+
     /// The mean, in dBm; nothing before the first power.
     pub fn dbm(&self) -> Option<f64> {
         (self.n > 0).then(|| 10.0 * libm::log10(self.sum_mw / f64::from(self.n)))
@@ -61,5 +68,10 @@ mod tests {
         [0.0, -20.0, f64::NAN, f64::INFINITY].into_iter().for_each(|dbm| mean.push(dbm));
         assert!((mean.dbm().unwrap() + 2.967).abs() < 1e-3);
         assert_eq!(mean.n(), 2);
+        let mut both = MeanPower::default();
+        both.push(-20.0);
+        both.add(&mean);
+        // 1.02 mW over three.
+        assert!((both.dbm().unwrap() + 4.685).abs() < 1e-3 && both.n() == 3, "{both:?}");
     }
 }

@@ -14,6 +14,7 @@ pub(crate) enum Purpose {
     Motion = 1,
     Genes = 2,
     Resampling = 3,
+    Replenishing = 4,
 }
 
 /// Ten rounds of Philox4x32: 128 random bits from a 64-bit key and a 128-bit counter.

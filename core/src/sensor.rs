@@ -40,6 +40,9 @@ pub enum Reading {
         /// Static pressure in hPa, 300 to 1100.
         pressure_hpa: f32,
     },
+    /// A card's advertisement as a receiver heard it. What the receivers say of its strength are [`Reading::Radio`], each
+    /// under its own identity.
+    CardFrame([u8; 31]),
 }
 
 /// One packet of one transmitter, or one row of a WiFi scan.
@@ -91,6 +94,8 @@ impl Sample {
             }
             Reading::Radio(r) => (-120.0..=20.0).contains(&r.rssi_dbm),
             Reading::Pressure { pressure_hpa } => (300.0..=1_100.0).contains(pressure_hpa),
+            // The card's receiver judges the bytes, and counts them.
+            Reading::CardFrame(_) => true,
         }
     }
 }
@@ -105,6 +110,7 @@ impl Reading {
             Reading::MagneticField(_) => 3,
             Reading::Pressure { .. } => 4,
             Reading::Radio(_) => 5,
+            Reading::CardFrame(_) => 6,
         }
     }
 }

@@ -1,19 +1,25 @@
 //! The systems as data: a recipe is a choice of parts with their parameters.
 
+mod card;
 mod dead_reckoning;
+mod dtw;
 mod fused;
 mod ibill;
 mod mass_centered;
+mod radar;
 
 use serde::{Deserialize, Serialize};
 
 use crate::beacon_mode::BeaconModeParams;
 use crate::front_end::FrontEndRule;
+use crate::heading::PathwayParams;
 use crate::observation::field_vector::FieldVectorParams;
+use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
 use crate::observation::three_factors::ThreeFactorsParams;
-use crate::particle::SpawningParams;
+use crate::particle::{ReplenishParams, SpawningParams};
+use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
 /// A positioning system: which parts run and how they are tuned.
@@ -44,6 +50,13 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
+    #[serde(default)]
+    pub radar: Option<FingerprintParams>,
+    /// Who dies of too small a weight and how the dead are replaced, before the estimate; without, nobody is until
+    /// resampling.
+    #[serde(default)]
+    pub replenish: Option<ReplenishParams>,
     /// Whether clusters of beacons take over from the particles, and how.
     #[serde(default)]
     pub beacons: Option<BeaconModeParams>,
@@ -106,6 +119,12 @@ pub enum HeadingRule {
         /// Standard deviation of the random walk a step, in radians.
         walk_sd_rad: f32,
     },
+    /// The compass azimuth of every round turned by the floor's mean deviation, or the direction of a way near it or near
+    /// the particle's last heading; drawn anew for each particle each round.
+    ///
+    /// # Source
+    /// Kwak 2018, Alg. 1.
+    Pathway(PathwayParams),
     /// As [`HeadingRule::Gyroscope`], but the direction is off only by what turns leave: at a step that turns, every
     /// particle turns by the gyroscope's angle and a uniform share of the interval `± half_width·sd`, and is weighed by the
     /// normal density of that share. On a straight way the factor is 1.
@@ -129,7 +148,7 @@ impl HeadingRule {
     /// Standard deviation of the first compass reading, in radians, where a direction is kept from there on by gyroscope.
     pub(crate) fn start_sd_rad(&self) -> Option<f32> {
         match *self {
-            Self::CompensatedCompass => None,
+            Self::CompensatedCompass | Self::Pathway(_) => None,
             Self::Gyroscope { start_sd_rad, .. } | Self::GyroscopeTurns { start_sd_rad, .. } => {
                 Some(start_sd_rad)
             }
@@ -169,6 +188,17 @@ pub enum LengthRule {
         b_walk_sd_m: f32,
         /// Standard deviation of Λ, in metres.
         step_sd_m: f32,
+    },
+    /// The same for everybody, with a noise that each particle draws each round: `N·(l + G_l)` for `N` steps.
+    ///
+    /// # Source
+    /// Kwak 2018, Eq. 3: `l` = 0.65 m, `G_l` with 0.5 `l`. A negative stride, which is drawn one time in forty, is cut to
+    /// nothing.
+    Alike {
+        /// `l`, in metres.
+        mean_m: f32,
+        /// Standard deviation of `G_l`, in metres.
+        round_sd_m: f32,
     },
     /// Uniform in the interval `± half_width·sd` about the length model's, and weighed by the normal density there.
     ///
@@ -254,6 +284,8 @@ pub enum MagneticRule {
     MassCentered(MassCenteredParams),
     /// The vector in the particle's own heading, with a learnt bias.
     FieldVector(FieldVectorParams),
+    /// What was read during the last while against what the map says along each particle's way.
+    History(HistoryParams),
     /// Strengths along the last steps, compared as vectors.
     ThreeFactors(ThreeFactorsParams),
 }
@@ -297,6 +329,9 @@ macro_rules! systems {
 
 systems! {
     "dead-reckoning" => Recipe::dead_reckoning,
+    "radar" => Recipe::radar,
+    "card" => Recipe::card,
+    "dtw" => Recipe::dtw,
     "mass-centered" => Recipe::mass_centered,
     "ibill" => Recipe::ibill,
     "fused" => Recipe::fused,

@@ -2,6 +2,7 @@
 
 mod beacons;
 mod motion;
+mod radar;
 mod start;
 
 use std::sync::Arc;
@@ -11,16 +12,21 @@ use serde::{Deserialize, Serialize};
 use beacons::Pause;
 
 use crate::beacon_mode::{BeaconCluster, BeaconVisit, find_clusters};
+use crate::front_end::FrontEndRule;
 use crate::geometry::Point2;
+use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
+use crate::observation::history::{DeviceHistory, HistoryScratch};
 use crate::observation::radio::RadioObservation;
 use crate::observation::three_factors::ObservedStrengths;
-use crate::observation::{field_vector, mass_centered, radio, three_factors};
-use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ResampleScratch};
+use crate::observation::{field_vector, history, mass_centered, radio, three_factors};
+use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch};
 use crate::pedestrian::StepEvent;
+use crate::radio::fingerprint::FingerprintMatcher;
 use crate::radio::range::Range;
 use crate::random::{NormalTable, Purpose, draw, uniform};
-use crate::system::{LengthRule, MagneticRule, PlanRule, Recipe};
+use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
+use crate::time::Timestamp;
 
 /// Everything that the tracker remembers from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -37,6 +43,8 @@ pub struct TrackerState {
     /// Mean length of the latest step over particles, in metres.
     step_length_m: f64,
     last_end_strength_ut: Option<f32>,
+    /// What the device has read lately, where histories are compared.
+    history: DeviceHistory,
     /// Heading of the device at the latest step, in the level frame, in radians.
     #[serde(default)]
     last_level_heading_rad: Option<f32>,
@@ -57,6 +65,8 @@ pub struct TrackerState {
     pause: Pause,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// When a radio fingerprint was last matched.
+    matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
     estimate: Option<CloudEstimate>,
 }
@@ -80,6 +90,8 @@ pub enum TrackerMode {
 pub struct Tracker {
     recipe: Recipe,
     floor: Arc<FloorIndex>,
+    /// The ways of the floor, for a recipe whose particles follow them.
+    ways: Option<WayGrid>,
     seed: u64,
     normal: NormalTable,
     /// Those of the floor, where the recipe follows them.
@@ -99,6 +111,9 @@ struct Scratch {
     weights: Vec<f32>,
     resample: ResampleScratch,
     estimate: EstimateScratch,
+    matcher: FingerprintMatcher,
+    history: HistoryScratch,
+    replenish: ReplenishScratch,
     ranges: Vec<Range>,
     /// By what angle the device turned from the last step to this one, in radians.
     turned_rad: f64,
@@ -110,7 +125,16 @@ impl Tracker {
         let n = most_particles(&recipe);
         let window = match recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
+            MagneticRule::History(params) => params.n_values(),
             _ => 1,
+        };
+        let n_slots = if let MagneticRule::History(params) = recipe.magnetic { params.n_slots() } else { 0 };
+        let ways = match recipe.motion.heading {
+            HeadingRule::Pathway(params) => {
+                let plan = &floor.map().plan;
+                Some(WayGrid::new(&Pathways::of_map(floor.map()), params, plan.width_m, plan.height_m))
+            }
+            _ => None,
         };
         let scratch = Scratch {
             from_x_m: Vec::with_capacity(n),
@@ -118,6 +142,12 @@ impl Tracker {
             weights: Vec::with_capacity(n),
             resample: ResampleScratch::with_capacity(n, window),
             estimate: EstimateScratch::default(),
+            matcher: match recipe.radar {
+                Some(_) => FingerprintMatcher::new(&floor.map().fingerprints),
+                None => FingerprintMatcher::default(),
+            },
+            history: HistoryScratch::with_capacity(n_slots),
+            replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
             ranges: Vec::with_capacity(MAX_RANGES),
             turned_rad: 0.0,
         };
@@ -125,7 +155,7 @@ impl Tracker {
             .beacons
             .map_or(Vec::new(), |beacons| find_clusters(&floor.map().transmitters, beacons.range_m));
         let normal = NormalTable::new();
-        Self { recipe, floor, seed, normal, clusters, state: TrackerState::default(), scratch }
+        Self { recipe, floor, ways, seed, normal, clusters, state: TrackerState::default(), scratch }
     }
 
     /// The recipe that runs.
@@ -165,6 +195,10 @@ impl Tracker {
             MagneticRule::MassCentered(params) => params.window.max(1),
             _ => 0,
         };
+        let (n_values, n_slots) = match self.recipe.magnetic {
+            MagneticRule::History(params) => (params.n_values(), params.n_slots()),
+            _ => (0, 0),
+        };
         let factors_window = match self.recipe.magnetic {
             MagneticRule::ThreeFactors(params) => params.n_steps(),
             _ => 0,
@@ -177,9 +211,12 @@ impl Tracker {
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
+            Part::History => usize::from(n_values > 0),
+            Part::HistoryWindow => n_values,
             Part::ThreeFactorsWindow => factors_window,
         };
-        state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
+        state.history.fits(n_slots)
+            && state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
     }
 
     /// Places all particles uniformly in the square `point ± radius_m`, forgetting what was known.
@@ -221,6 +258,9 @@ impl Tracker {
 
     /// Consumes a step and what radio was heard during it.
     pub fn step(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        if self.recipe.radar.is_some() {
+            return;
+        }
         self.reckon(event);
         if self.is_paused_by(event) {
             return;
@@ -253,6 +293,7 @@ impl Tracker {
         if !self.weigh() {
             self.recover();
         }
+        self.replenish();
         self.estimate_cloud();
         self.resample();
     }
@@ -311,6 +352,18 @@ impl Tracker {
                     field_vector::update(params, &self.floor, field, &mut self.state.particles);
                 }
             }
+            MagneticRule::History(params) if event.cycle.is_first && self.is_card() => {
+                // The way between was not heard of.
+                history::forget(params, &mut self.state.history, &mut self.state.particles);
+            }
+            // Who stands reads the same again: half a minute of that would wipe the history out.
+            MagneticRule::History(_) if event.n_steps == 0 => {}
+            MagneticRule::History(params) => {
+                let Scratch { from_x_m, from_y_m, history: scratch, .. } = &mut self.scratch;
+                let (device, particles) = (&mut self.state.history, &mut self.state.particles);
+                let from_m = [&**from_x_m, &**from_y_m];
+                history::update(params, &self.floor, &event.reads, from_m, device, particles, scratch);
+            }
             MagneticRule::ThreeFactors(params) => {
                 let observed = &mut self.state.observed_strengths;
                 observed.push(three_factors::mean_strength_ut(event));
@@ -324,6 +377,10 @@ impl Tracker {
         if self.recipe.spawning.is_some() {
             self.state.particles.reserve(most_particles(&self.recipe));
         }
+    }
+
+    fn is_card(&self) -> bool {
+        self.recipe.front_end == FrontEndRule::Card
     }
 
     /// Lets every particle weigh the same, whatever its log weight.
@@ -351,6 +408,19 @@ impl Tracker {
         is_alive
     }
 
+    /// Lets who weighs too little die, and newcomers take the places of the dead.
+    fn replenish(&mut self) {
+        let Some(params) = &self.recipe.replenish else { return };
+        let (seed, step) = (self.seed, self.state.n_steps);
+        let minds_walls = self.recipe.plan != PlanRule::Ignore;
+        let may_stand = |from_m: [f32; 2], to_m: [f32; 2]| {
+            !minds_walls || (self.floor.is_open(to_m[0], to_m[1]) && !self.floor.is_blocked(from_m, to_m))
+        };
+        let draw = |i| draw(seed, step, i, Purpose::Replenishing);
+        let Scratch { weights, replenish, .. } = &mut self.scratch;
+        self.state.particles.replenish(params, weights, replenish, draw, may_stand);
+    }
+
     fn estimate_cloud(&mut self) {
         if self.state.particles.is_empty() || self.scratch.weights.len() != self.state.particles.len() {
             return;
@@ -375,6 +445,11 @@ impl Tracker {
         if is_degenerate || self.recipe.resample_below >= 1.0 {
             let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
             self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+            if let MagneticRule::History(params) = &self.recipe.magnetic
+                && !params.counts_once
+            {
+                self.state.particles.history_log_weight.fill(0.0);
+            }
         } else if matches!(self.recipe.magnetic, MagneticRule::MassCentered(_)) {
             // Its weights are not in the log weights yet, which alone are kept.
             for (log_weight, weight) in self.state.particles.log_weight.iter_mut().zip(&self.scratch.weights)
@@ -392,58 +467,4 @@ fn most_particles(recipe: &Recipe) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::floor_plan::FloorPlan;
-    use crate::map::{FloorMap, GridFrame, Layers};
-    use crate::step::StepCycle;
-    use crate::time::Timestamp;
-
-    /// 60 m × 20 m where the field grows by 2 µT a metre along x.
-    fn slope() -> FloorIndex {
-        let plan = FloorPlan { width_m: 60.0, height_m: 20.0, ..FloorPlan::default() };
-        let frame = GridFrame::covering(plan.width_m, plan.height_m, 1.0);
-        let strength_ut = (0..frame.len()).map(|node| 20.0 + 2.0 * (node % frame.nx) as f32).collect();
-        let layers = Layers { strength_ut, ..Layers::default() };
-        FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() })
-    }
-
-    fn step(k: u32) -> StepEvent {
-        let at = |k: u32| Timestamp::from_nanos(500_000_000 * i64::from(k));
-        StepEvent {
-            cycle: StepCycle {
-                start: at(k),
-                end: at(k + 1),
-                frequency_hz: 2.0,
-                amplitude_m_s2: 3.0,
-                is_first: false,
-            },
-            n_steps: 1,
-            reads: [None; 3],
-            level_heading_rad: core::f32::consts::FRAC_PI_2,
-            forward_field: None,
-            end_strength_ut: Some(40.0 + 1.5 * k as f32),
-            field_bias_reset: false,
-            attitude: crate::attitude::AttitudeEstimate::default(),
-        }
-    }
-
-    #[test]
-    fn mass_centred_weights_last_until_particles_are_resampled() {
-        let recipe = Recipe { n_particles: 60, resample_below: 0.0, ..Recipe::mass_centered() };
-        let MagneticRule::MassCentered(params) = recipe.magnetic else { panic!("another weight") };
-        let mut tracker = Tracker::new(recipe, Arc::new(slope()), 1);
-        tracker.place(Point2::new(20.0, 10.0), 2.0);
-        (0..4).for_each(|k| tracker.step(&step(k), &[]));
-        let before = tracker.particles().log_weight.clone();
-        let best = before.iter().fold(f32::NEG_INFINITY, |best, &w| best.max(w));
-        assert!(before.iter().any(|&w| w < best - 0.1), "{before:?}");
-        tracker.step(&step(4), &[]);
-        let Particles { log_weight, delta_errors_ut, .. } = tracker.particles();
-        for ((after, before), errors_ut) in log_weight.iter().zip(before).zip(delta_errors_ut.chunks(3)) {
-            let mean_ut = errors_ut.iter().sum::<f32>() / 3.0;
-            let expected = before - best - libm::logf(mean_ut.max(params.threshold_ut));
-            assert!((after - expected).abs() < 1e-4, "{after} {expected}");
-        }
-    }
-}
+mod tests;

@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
+pub mod ble_annotated;
 pub mod error;
 pub mod geojson_plan;
 pub mod get_sensor_data;
@@ -15,6 +16,7 @@ pub mod recording;
 pub mod sensor_logger;
 pub mod tyrex;
 
+mod comma_rows;
 mod text_lines;
 mod transmitter_id;
 

@@ -1,8 +1,8 @@
 //! Maps on disk: a building is a folder with a manifest and one safetensors file per floor.
 //!
 //! `building.json` names the floors, their files and the files' SHA-256. A floor's file holds every layer as an F16
-//! tensor `[ny, nx]` under the layer's name, the routes and the radio table as tensors, and the rest as sorted JSON
-//! under the one metadata key `fieldwalk`. The same map gives the same bytes. Any safetensors reader opens a floor.
+//! tensor `[ny, nx]` under the layer's name, the routes, the radio table and the fingerprints as tensors, and the rest as
+//! sorted JSON under the one metadata key `fieldwalk`. The same map gives the same bytes. Any safetensors reader opens a floor.
 
 mod check;
 mod disk;
@@ -25,6 +25,8 @@ pub use floor_file::encode_floor;
 pub const MANIFEST_FILE: &str = "building.json";
 
 /// The version of the map format that this build writes, and the newest that it reads.
+///
+/// A new tensor is no new version: builds that do not know it pass over it, and where it is missing nothing was surveyed.
 pub const MAP_VERSION: u64 = 1;
 
 /// Writes `building` into the folder `dir`, which is made if need be; floors are ordered by ordinal.

@@ -9,7 +9,6 @@
 //! licensed under CC BY 4.0.
 
 mod folder;
-mod rows;
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -18,7 +17,7 @@ use std::path::{Path, PathBuf};
 use fieldwalk::sensor::{Reading, Sample};
 use fieldwalk::time::Timestamp;
 
-use self::rows::{Fields, Rows};
+use crate::comma_rows::{Fields, Rows};
 use crate::error::FormatError;
 use crate::ilc::{LineFault, LineRejections};
 use crate::text_lines::MAX_LINE_BYTES;
@@ -108,7 +107,7 @@ impl AccelerometerReader<BufReader<File>> {
 impl<R: BufRead> AccelerometerReader<R> {
     /// Reads what `reader` gives; `name` stands for it in errors.
     pub fn new(reader: R, name: impl Into<PathBuf>) -> Self {
-        Self { rows: Rows::new(reader, name.into(), "accelerometer.csv", ACCELEROMETER_REMEDY) }
+        Self { rows: Rows::new(reader, name.into(), "the accelerometer.csv of a walk", ACCELEROMETER_REMEDY) }
     }
 
     /// The lines left out so far.
@@ -145,7 +144,7 @@ impl ContactReader<BufReader<File>> {
 impl<R: BufRead> ContactReader<R> {
     /// Reads what `reader` gives; `name` stands for it in errors.
     pub fn new(reader: R, name: impl Into<PathBuf>) -> Self {
-        let rows = Rows::new(reader, name.into(), "stepcounter.csv", CONTACTS_REMEDY);
+        let rows = Rows::new(reader, name.into(), "the stepcounter.csv of a walk", CONTACTS_REMEDY);
         Self { rows, closed: None, pending: None }
     }
 

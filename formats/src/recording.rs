@@ -3,7 +3,7 @@
 //! A recording is an [MCAP](https://mcap.dev/spec) file, version 1 of our use of it:
 //!
 //! * one topic for each kind of record (`/specific_force`, `/angular_rate`, `/magnetic_field`,
-//!   `/uncalibrated_magnetic_field`, `/radio`, `/pressure`, `/waypoint`), numbered 1 to 7 in every file;
+//!   `/uncalibrated_magnetic_field`, `/radio`, `/pressure`, `/waypoint`, `/card_frame`), numbered 1 to 8 in every file;
 //! * messages are JSON objects with a JSON Schema; units stand in the names: `{"x_m_s2":0.1,"y_m_s2":0.2,"z_m_s2":9.8}`.
 //!   A number that is not finite is left out and named in `not_finite`: `{"rssi_dbm":…}` becomes
 //!   `{"not_finite":{"rssi_dbm":"NaN"}}`, with `NaN`, `Infinity` or `-Infinity`;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use fieldwalk::floor_plan::{FloorPlan, Polygon, Unit};
 use fieldwalk::geometry::{Point2, Segment};
-use fieldwalk::map::{BuildingMap, FloorMap, GridFrame, Layers, Transmitter};
+use fieldwalk::map::{BuildingMap, Fingerprints, FloorMap, GridFrame, Layers, Transmitter};
 use fieldwalk::sensor::TransmitterId;
 use fieldwalk_formats::map::{MANIFEST_FILE, decode_floor, encode_floor, open_building, write_building};
 use proptest::prelude::*;
@@ -48,7 +48,28 @@ fn small_floor(name: &str, ordinal: i32) -> FloorMap {
             sigma_db: 4.0,
             n_sightings: 12,
         }],
+        fingerprints: Fingerprints::default(),
     }
+}
+
+/// Fingerprints of the places of `heard`, where every transmitter has the same power.
+fn heard_everywhere(heard: &[(Point2, f32)], n_transmitters: usize) -> Fingerprints {
+    if heard.is_empty() {
+        return Fingerprints::default();
+    }
+    let n = heard.len() as u32;
+    Fingerprints {
+        places: heard.iter().map(|(place, _)| *place).collect(),
+        starts: (0..=n_transmitters as u32).map(|transmitter| transmitter * n).collect(),
+        cells: (0..n_transmitters).flat_map(|_| 0..n).collect(),
+        rssi_dbm: (0..n_transmitters).flat_map(|_| heard.iter().map(|(_, rssi_dbm)| *rssi_dbm)).collect(),
+    }
+}
+
+/// [`small_floor`] with two cells that heard its transmitter.
+fn small_floor_with_fingerprints() -> FloorMap {
+    let heard = [(Point2::new(0.5, 0.25), -61.5), (Point2::new(1.5, 0.25), -70.25)];
+    FloorMap { fingerprints: heard_everywhere(&heard, 1), ..small_floor("F1", 0) }
 }
 
 fn empty_folder(name: &str) -> PathBuf {
@@ -88,6 +109,35 @@ fn version_1_stays_readable() {
             None => assert!(layer.iter().all(|value| value.is_nan()), "{name} was unknown then"),
         }
     }
+}
+
+#[test]
+fn version_1_with_fingerprints_stays_readable() {
+    let floor = decode_floor(include_bytes!("fixtures/map_v1_fingerprints.safetensors")).unwrap();
+    assert_eq!(floor, small_floor_with_fingerprints());
+}
+
+#[test]
+fn fingerprints_that_do_not_fit_are_refused() {
+    let breaks: [fn(&mut Fingerprints); 4] = [
+        |f| f.cells[1] = 2,
+        |f| f.starts = vec![0, 1],
+        |f| f.rssi_dbm[0] = f32::NAN,
+        |f| f.places[0].x_m = 1e300,
+    ];
+    for (k, break_it) in breaks.iter().enumerate() {
+        let mut floor = small_floor_with_fingerprints();
+        break_it(&mut floor.fingerprints);
+        let error = encode_floor(&floor).unwrap_err();
+        assert!(error.to_string().contains("fingerprints"), "{k}: {error}");
+    }
+    // The same in a file that nobody's encoder wrote: a cell that is none.
+    let mut bytes = encode_floor(&small_floor_with_fingerprints()).unwrap();
+    let cells = [0_u32, 1].map(u32::to_le_bytes).concat();
+    let at = bytes.windows(8).rposition(|window| window == cells).unwrap();
+    bytes[at + 4] = 9;
+    sign(&mut bytes);
+    assert!(decode_floor(&bytes).unwrap_err().to_string().contains("fingerprints"));
 }
 
 #[test]
@@ -277,13 +327,24 @@ fn floor() -> impl Strategy<Value = FloorMap> {
         proptest::collection::vec(proptest::collection::vec(point(), 0..4), 0..4),
         proptest::collection::vec(transmitter, 0..4),
         (0.0..1e3, proptest::collection::vec(point(), 0..5)),
+        proptest::collection::vec((point(), -100_f32..-20.0), 0..5),
     )
         .prop_map(
-            |(name, ordinal, (nx, ny, origin, cell_m), halves, routes, transmitters, (width_m, ring))| {
+            |(
+                name,
+                ordinal,
+                (nx, ny, origin, cell_m),
+                halves,
+                routes,
+                transmitters,
+                (width_m, ring),
+                heard,
+            )| {
                 let frame = GridFrame { origin, cell_m, nx, ny };
                 let plan = FloorPlan { width_m, pathways: vec![ring], ..FloorPlan::default() };
                 let layers = layers(&frame, |layer, node| halves[(layer * 25 + node) % halves.len()]);
-                FloorMap { name, ordinal, plan, frame, layers, routes, transmitters }
+                let fingerprints = heard_everywhere(&heard, transmitters.len());
+                FloorMap { name, ordinal, plan, frame, layers, routes, transmitters, fingerprints }
             },
         )
 }

@@ -81,6 +81,7 @@ fn any_reading() -> impl Strategy<Value = Reading> {
         (transmitter, any_f32())
             .prop_map(|(transmitter, rssi_dbm)| Reading::Radio(RadioSighting { transmitter, rssi_dbm })),
         any_f32().prop_map(|pressure_hpa| Reading::Pressure { pressure_hpa }),
+        any::<[u8; 31]>().prop_map(Reading::CardFrame),
     ]
 }
 
@@ -155,6 +156,7 @@ fn the_json_is_what_the_documentation_says() {
         sample(-7, not_a_number),
         sample(8, Reading::MagneticField([f32::INFINITY, 20.0, f32::NEG_INFINITY])),
         Record::Waypoint { time: Timestamp::from_nanos(9), point: Point2::new(0.1, 1e300) },
+        sample(10, Reading::CardFrame(core::array::from_fn(|k| 0xF0 + k as u8 % 16))),
     ];
     let file = write_all(&records);
     let messages: Vec<_> = mcap::MessageStream::new(&file).unwrap().map(Result::unwrap).collect();
@@ -167,12 +169,13 @@ fn the_json_is_what_the_documentation_says() {
             (0, r#"{"transmitter":"ble:01:02:03:04:05:ff","not_finite":{"rssi_dbm":"NaN"},"time_ns":-7}"#),
             (8, r#"{"y_ut":20.0,"not_finite":{"x_ut":"Infinity","z_ut":"-Infinity"}}"#),
             (9, r#"{"x_m":0.1,"y_m":1e+300}"#),
+            (10, r#"{"frame":"f0f1f2f3f4f5f6f7f8f9fafbfcfdfefff0f1f2f3f4f5f6f7f8f9fafbfcfdfe"}"#),
         ]
     );
     let summary = mcap::Summary::read(&file).unwrap().unwrap();
     let mut topics: Vec<_> = summary.channels.values().map(|channel| channel.topic.as_str()).collect();
     topics.sort_unstable();
-    assert_eq!(topics, ["/magnetic_field", "/radio", "/specific_force", "/waypoint"]);
+    assert_eq!(topics, ["/card_frame", "/magnetic_field", "/radio", "/specific_force", "/waypoint"]);
     assert!(summary.schemas.values().all(|schema| schema.encoding == "jsonschema"));
 }
 

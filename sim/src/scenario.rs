@@ -204,7 +204,8 @@ impl Scenario {
     /// What the phone of `walk` records, and the truth.
     pub fn simulate(&self, walk: &Walk) -> Recorded {
         let course = Course::with_heights(&walk.path, &walk.heights_m);
-        let gait = Gait::new(&walk.walker, course, &walk.pauses, STANDING_S, walk.seed);
+        let Walk { walker, pauses, paces, .. } = walk;
+        let gait = Gait::with_paces(walker, course, pauses, paces, STANDING_S, walk.seed);
         let grip = Grip::drawn(walk.walker.height_m, walk.seed);
         let carried = Carried::new(gait, grip, &walk.carrying);
         let field = self.field_of_day(carried.gait().duration_s(), walk.seed);

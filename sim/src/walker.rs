@@ -8,7 +8,7 @@ mod spline;
 pub use course::{Course, Flight};
 pub(crate) use gait::JOLT_HZ;
 pub use gait::{Body, Gait, Wave};
-pub use pace::{Pause, Step};
+pub use pace::{Pace, Pause, Step};
 
 use crate::noise::Noise;
 
@@ -68,6 +68,15 @@ impl WalkerProfile {
     pub fn drawn(seed: u64) -> Self {
         let mut noise = Noise::new(seed, "walker", 0);
         let height_m = noise.typical(1.72, 0.09);
+        Self::of_noise(height_m, &mut noise)
+    }
+
+    /// A walker of `height_m`, else by chance.
+    pub fn of_height(height_m: f64, seed: u64) -> Self {
+        Self::of_noise(height_m, &mut Noise::new(seed, "walker", 1))
+    }
+
+    fn of_noise(height_m: f64, noise: &mut Noise) -> Self {
         // Long legs make long steps at the same rate, and a speed by Froude's rule.
         let build = height_m / 1.72;
         Self {
@@ -116,5 +125,18 @@ mod tests {
         assert!((1.7..1.9).contains(&hz) && (0.6..0.75).contains(&length_m), "{hz} Hz, {length_m} m");
         assert!((0.035..0.055).contains(&walker.rise_m(length_m)), "{}", walker.rise_m(length_m));
         assert_ne!(WalkerProfile::drawn(1), WalkerProfile::drawn(2));
+    }
+
+    #[test]
+    fn tall_people_step_longer_on_average() {
+        let mean_m = |height_m: f64| {
+            let length_m = |seed| {
+                let walker = WalkerProfile::of_height(height_m, seed);
+                assert_eq!(walker.height_m, height_m);
+                walker.step_length_m(walker.speed_m_s)
+            };
+            (0..50).map(length_m).sum::<f64>() / 50.0
+        };
+        assert!(mean_m(1.95) > 1.15 * mean_m(1.57), "{} {}", mean_m(1.95), mean_m(1.57));
     }
 }

@@ -7,7 +7,7 @@ use std::sync::{Arc, LazyLock};
 
 use fieldwalk::Rejections;
 use fieldwalk::geometry::Point2;
-use fieldwalk::map::FloorIndex;
+use fieldwalk::map::{Fingerprints, FloorIndex};
 use fieldwalk::positioner::{Fix, Positioner};
 use fieldwalk::sensor::{RadioSighting, Reading, Sample, TransmitterId};
 use fieldwalk::system::Recipe;
@@ -83,7 +83,7 @@ fn digests() -> BTreeMap<String, u64> {
     for recipe in recipes() {
         let mut positioner = WORLD.positioner(&recipe);
         let fixes: Vec<Fix> = WORLD.walk.samples.iter().filter_map(|s| positioner.push(*s)).collect();
-        assert!(fixes.len() > 100, "{}: {} fixes", recipe.name, fixes.len());
+        assert!(fixes.len() > 70, "{}: {} fixes", recipe.name, fixes.len());
         digests.insert(format!("fixes/{}", recipe.name), digest_of_fixes(&fixes));
     }
     let map = WORLD.floor.map();
@@ -104,6 +104,13 @@ fn digests() -> BTreeMap<String, u64> {
         }
     }
     digests.insert("map/transmitters".into(), digest.0);
+    let Fingerprints { places, starts, cells, rssi_dbm } = &map.fingerprints;
+    let mut digest = Digest::new();
+    assert!(!rssi_dbm.is_empty());
+    places.iter().flat_map(|p| [p.x_m, p.y_m]).for_each(|m| digest.add(&m.to_bits().to_le_bytes()));
+    starts.iter().chain(cells).for_each(|count| digest.add(&count.to_le_bytes()));
+    rssi_dbm.iter().for_each(|dbm| digest.add(&dbm.to_bits().to_le_bytes()));
+    digests.insert("map/fingerprints".into(), digest.0);
     digests
 }
 
@@ -135,7 +142,8 @@ fn a_second_run_gives_the_same_fixes() {
 
 #[test]
 fn another_seed_gives_other_fixes() {
-    for recipe in recipes() {
+    // RADAR draws nothing once it has matched.
+    for recipe in recipes().into_iter().filter(|recipe| recipe.radar.is_none()) {
         let run = |seed: u64| {
             let mut positioner = Positioner::new(Arc::clone(&WORLD.floor), recipe.clone(), seed);
             positioner.hint(WORLD.walk.hint(Point2::default()).unwrap()).unwrap();

@@ -8,22 +8,21 @@ use std::sync::Arc;
 use fieldwalk::floor_plan::FloorPlan;
 use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
 use fieldwalk::random::CounterRng;
-use fieldwalk::survey::{SurveyParams, SurveyWalk, Waypoint, build_floor};
+use fieldwalk::survey::{SurveyParams, SurveyWalk, build_floor};
 use fieldwalk::system::Recipe;
-use fieldwalk::time::Duration;
 use fieldwalk_formats::{FormatError, write_building, write_plan};
 use fieldwalk_sim::phone::CarryMode;
-use fieldwalk_sim::scenario::{Recorded, Scenario};
+use fieldwalk_sim::scenario::Scenario;
 use indicatif::ProgressBar;
 use rand::Rng as _;
 use rayon::prelude::*;
 
 use crate::arguments::DemoArguments;
 use crate::error_table::error_table;
-use crate::evaluation::{PointKind, Row, RowGroup, Start, TestWalk, TruthPoint, WalkScore, record, score};
+use crate::evaluation::{Row, RowGroup, Start, TestWalk, WalkScore, record, score};
 use crate::progress;
-use crate::report::{ErrorCurve, Report, Truth, Walk, page};
-use crate::simulated::write_recording;
+use crate::report::{ErrorCurve, Report, Walk, page};
+use crate::simulated::{test_walk, write_recording};
 use crate::stop::Stop;
 
 /// The data set's name in rows.
@@ -122,7 +121,7 @@ fn score_walks(office: &Scenario, floor: FloorMap, n_walks: u32) -> (Vec<Row>, R
         .filter_map(|(k, walk)| {
             let name = walk.name.clone();
             let carry = carry_changes(&walk);
-            let walk = test_walk(office.simulate(&walk))?;
+            let walk = test_walk(office.simulate(&walk), FIRST_SCORED_S)?;
             // All recordings begin at one instant, so the start is off by as much in all under one seed.
             let seed = CounterRng::new(office.seed, k).next_u64();
             let played = record(&floor, &recipes, START, seed, &walk, &name).with_changes("truly", &carry);
@@ -186,18 +185,4 @@ fn score_systems(
         scored
     };
     recipes.iter().map(score_system).collect()
-}
-
-/// The recording to score against the simulator's truth; nothing when there is no truth.
-fn test_walk(recorded: Recorded) -> Option<TestWalk> {
-    let (first, last) = (*recorded.truth.first()?, *recorded.truth.last()?);
-    let truth = (FIRST_SCORED_S..)
-        .map(|after_s| first.time + Duration::from_millis(1_000 * after_s))
-        .take_while(|&time| time <= last.time)
-        .filter_map(|time| recorded.truth_at(time))
-        .map(|truth| TruthPoint { kind: PointKind::Truth, time: truth.time, point: truth.position })
-        .collect();
-    let start = Waypoint { time: first.time, point: first.position };
-    let line = Truth::continuous(recorded.truth.iter().map(|truth| (truth.time, truth.position)));
-    Some(TestWalk { samples: recorded.samples, start, truth, line })
 }

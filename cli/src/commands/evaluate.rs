@@ -36,6 +36,7 @@ pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), St
         Some(Dataset::Ilc) => score_systems(arguments, Layout::Ilc, out),
         Some(Dataset::Recordings) => score_systems(arguments, Layout::Recordings, out),
         Some(Dataset::OxfordSteps) => walker::run_oxford_steps(arguments, out),
+        Some(Dataset::BleAnnotated) => walker::run(walker_evaluation::ble_annotated::score, arguments, out),
         Some(Dataset::Tyrex) => {
             let table = arguments.table.as_deref().map(table_file::read).transpose()?;
             walker::run(|dirs| walker_evaluation::tyrex::score(dirs, table), arguments, out)

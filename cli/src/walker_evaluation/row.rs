@@ -32,6 +32,22 @@ pub enum Metric {
     CarryModeCorrectPercent,
     /// Median of the absolute heading error, in degrees.
     HeadingErrorMedianDeg,
+    /// Mean over receivers and rounds of range minus true distance, in metres.
+    RangeBiasM,
+    /// Median of the ranges' absolute errors, in metres.
+    RangeErrorMedianM,
+    /// Median distance of places from the truth, in metres.
+    PlaceErrorMedianM,
+    /// 80th percentile of the distances of places from the truth, in metres.
+    PlaceErrorP80M,
+    /// Share of rounds with a place, in percent.
+    PlacedPercent,
+    /// Share of rounds whose beacons are said to stand well, in percent.
+    ReliablePercent,
+    /// Share of rounds whose truth lies within 6 m of the matched cell, in percent.
+    TruthNearMatchPercent,
+    /// Share of rounds in which the true place lay outside those 6 m for the second time in a row, in percent.
+    TruthDroppedPercent,
 }
 
 impl Metric {
@@ -49,6 +65,14 @@ impl Metric {
             Self::UfhCorrectPercent => "ufh_correct_percent",
             Self::CarryModeCorrectPercent => "carry_mode_correct_percent",
             Self::HeadingErrorMedianDeg => "heading_error_median_deg",
+            Self::RangeBiasM => "range_bias_m",
+            Self::RangeErrorMedianM => "range_error_median_m",
+            Self::PlaceErrorMedianM => "place_error_median_m",
+            Self::PlaceErrorP80M => "place_error_p80_m",
+            Self::PlacedPercent => "placed_percent",
+            Self::ReliablePercent => "reliable_percent",
+            Self::TruthNearMatchPercent => "truth_near_match_percent",
+            Self::TruthDroppedPercent => "truth_dropped_percent",
         }
     }
 }
@@ -110,6 +134,14 @@ mod tests {
             Metric::UfhCorrectPercent,
             Metric::CarryModeCorrectPercent,
             Metric::HeadingErrorMedianDeg,
+            Metric::RangeBiasM,
+            Metric::RangeErrorMedianM,
+            Metric::PlaceErrorMedianM,
+            Metric::PlaceErrorP80M,
+            Metric::PlacedPercent,
+            Metric::ReliablePercent,
+            Metric::TruthNearMatchPercent,
+            Metric::TruthDroppedPercent,
         ] {
             let row =
                 MetricRow { dataset: "d", subset: ALL.into(), system: "s".into(), metric, value: 1.5, n: 2 };

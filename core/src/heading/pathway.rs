@@ -1,10 +1,18 @@
 //! The pathway motion model: people walk along the ways, whatever their compass says.
 
+mod grid;
+
+pub use grid::WayGrid;
+
 use serde::{Deserialize, Serialize};
 
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment, wrap_rad};
 use crate::map::FloorMap;
+
+/// Ways are as near as the nearest one within this distance, in metres: the pieces that meet at a corner, and parallel
+/// lines of one corridor.
+const CORNER_M: f64 = 0.5;
 
 /// Parameters of [`pathway_heading_rad`].
 ///
@@ -77,8 +85,7 @@ impl Pathways {
         if nearest_m.is_nan() || nearest_m > reach_m {
             return None;
         }
-        // Half a metre: the pieces that meet at a corner, and parallel lines of one corridor.
-        let here = self.segments.iter().filter(|s| s.distance_m(place) <= nearest_m + 0.5);
+        let here = self.segments.iter().filter(|s| s.distance_m(place) <= nearest_m + CORNER_M);
         let directions = here.flat_map(|s| [(s.b - s.a).heading_rad(), (s.a - s.b).heading_rad()]);
         let turn = |direction: f64| wrap_rad(direction - heading_rad).abs();
         directions.fold(None, |best: Option<f64>, d| match best {

@@ -1,8 +1,12 @@
 //! A floor map made ready for lookups by thousands of particles: flat, interleaved, no allocation, no panic.
 
+mod reads;
+
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment};
-use crate::map::{FloorMap, GridFrame, Layers};
+use crate::map::{Fingerprints, FloorMap, GridFrame, Layers};
+
+use reads::ReadGrid;
 
 /// How finely the plan is rasterised, in metres: half a shoulder's width.
 const PLAN_CELL_M: f64 = 0.25;
@@ -28,6 +32,9 @@ pub struct FloorIndex {
     field: Vec<[f32; 4]>,
     /// Sine and cosine of the compass deviation per node; empty when the map has no such layer.
     deviation_sin_cos: Vec<[f32; 2]>,
+    /// Direction of the mean compass deviation, in radians.
+    mean_deviation_rad: f32,
+    reads: ReadGrid,
     grid: GridLookup,
     ground: Vec<u8>,
     ground_grid: GridLookup,
@@ -46,13 +53,17 @@ struct GridLookup {
 }
 
 impl FloorIndex {
-    /// Prepares `map`; layers that are missing or of a wrong size read as unknown.
+    /// Prepares `map`; layers that are missing or of a wrong size read as unknown, fingerprints that do not fit the
+    /// transmitters as none.
     pub fn new(mut map: FloorMap) -> Self {
         let n = map.frame.len();
         for (name, _) in Layers::default().named() {
             if let Some(layer) = map.layers.named_mut(name).filter(|layer| layer.len() != n) {
                 layer.clear();
             }
+        }
+        if !map.fingerprints.is_sound(map.transmitters.len()) {
+            map.fingerprints = Fingerprints::default();
         }
         let layer = |values: &[f32], node: usize| values.get(node).copied().unwrap_or(f32::NAN);
         let field = (0..n)
@@ -70,7 +81,9 @@ impl FloorIndex {
         let (wall_starts, walls) = bucketed_walls(&map.plan, &wall_frame);
         Self {
             field,
+            mean_deviation_rad: mean_direction_rad(&map.layers.compass_deviation_rad),
             deviation_sin_cos: sines_and_cosines(&map.layers.compass_deviation_rad),
+            reads: ReadGrid::new(&map.layers, n),
             grid: GridLookup::new(&map.frame),
             ground: rasterised(&map.plan, &ground_frame),
             ground_grid: GridLookup::new(&ground_frame),
@@ -105,6 +118,19 @@ impl FloorIndex {
             }
         }
         (!value[0].is_nan() && !value[3].is_nan()).then_some(value)
+    }
+
+    /// Strength, horizontal and vertical part of the field at a place (in µT), bilinear; where the map knows one of them
+    /// not, the floor's mean of it. The horizontal part is derived: see `core/src/map/index/reads.rs`.
+    #[inline]
+    pub fn read_or_mean(&self, x_m: f32, y_m: f32) -> [f32; 3] {
+        self.reads.at(&self.grid, x_m, y_m)
+    }
+
+    /// Walking direction minus compass azimuth, in radians, as a mean over the floor: how the compass stands to the plan
+    /// where nothing more is known of the place.
+    pub fn mean_deviation_rad(&self) -> f32 {
+        self.mean_deviation_rad
     }
 
     /// Bilinear value of one of the map's layers at a place; nothing where unknown.
@@ -216,6 +242,17 @@ fn sines_and_cosines(angles_rad: &[f32]) -> Vec<[f32; 2]> {
         last
     };
     angles_rad.iter().map(of_angle).collect()
+}
+
+/// The direction of the mean of unit vectors along `angles_rad`; 0 of none.
+fn mean_direction_rad(angles_rad: &[f32]) -> f32 {
+    let known = angles_rad.iter().filter(|angle_rad| !angle_rad.is_nan());
+    let (mut sin, mut cos) = (0.0f64, 0.0f64);
+    for [s, c] in sines_and_cosines(&known.copied().collect::<Vec<_>>()) {
+        sin += f64::from(s);
+        cos += f64::from(c);
+    }
+    libm::atan2(sin, cos) as f32
 }
 
 /// The plan's ground per node, by scan lines.
@@ -340,6 +377,16 @@ mod tests {
         assert_eq!(floor.layer(&floor.map().layers.field_y_ut, 1.5, 1.0), Some(3.0));
         assert_eq!(floor.nearest(&floor.map().layers.strength_ut, 1.0, 1.0), None);
         assert_eq!(floor.deviation_sin_cos(1.0, 1.0), None);
+    }
+
+    #[test]
+    fn the_mean_deviation_goes_round_the_circle() {
+        let mut map = floor().map().clone();
+        map.layers.compass_deviation_rad = vec![f32::NAN; map.frame.len()];
+        map.layers.compass_deviation_rad[..2].copy_from_slice(&[3.1, -3.1]);
+        let mean_rad = FloorIndex::new(map).mean_deviation_rad();
+        assert!((mean_rad.abs() - core::f32::consts::PI).abs() < 1e-5, "{mean_rad}");
+        assert_eq!(floor().mean_deviation_rad(), 0.0);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The weighted mean of the cloud, its covariance and the radii that hold 68 % and 95 % of the weight.
 
+use crate::geometry::Point2;
 use crate::particle::Particles;
 
 /// Width of a histogram bin for the radii, in metres.
@@ -66,29 +67,66 @@ impl CloudEstimate {
             xx += w * dx * dx;
             xy += w * dx * dy;
             yy += w * dy * dy;
-            let bin = ((dx * dx + dy * dy).sqrt() as f32 * (1.0 / BIN_M)) as usize;
-            scratch.histogram[bin.min(N_BINS - 1)] += w;
+            scratch.add((dx * dx + dy * dy).sqrt(), w);
         }
-        let radius_m = |share: f64| {
-            let mut sum = 0.0;
-            for (bin, mass) in scratch.histogram.iter().enumerate() {
-                if sum + mass >= share * total {
-                    let part = if *mass > 0.0 { (share * total - sum) / mass } else { 0.0 };
-                    return f64::from(BIN_M) * (bin as f64 + part);
-                }
-                sum += mass;
-            }
-            f64::from(BIN_M) * N_BINS as f64
-        };
         Some(Self {
             x_m: x,
             y_m: y,
             heading_rad: libm::atan2(sin, cos),
             covariance_m2: [[xx / total, xy / total], [xy / total, yy / total]],
-            radius_68_m: radius_m(0.68),
-            radius_95_m: radius_m(0.95),
+            radius_68_m: scratch.radius_m(0.68 * total),
+            radius_95_m: scratch.radius_m(0.95 * total),
             effective_sample_size: total * total / square,
         })
+    }
+
+    /// The estimate that stands at `point`, spread as the weighted places about it are; nothing when the weights sum to
+    /// zero.
+    pub fn about(
+        point: Point2,
+        places: impl Iterator<Item = (Point2, f32)>,
+        scratch: &mut EstimateScratch,
+    ) -> Option<Self> {
+        let (mut total, mut square, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        scratch.histogram.fill(0.0);
+        for (place, w) in places {
+            let (off, w) = (place - point, f64::from(w));
+            total += w;
+            square += w * w;
+            xx += w * off.x_m * off.x_m;
+            xy += w * off.x_m * off.y_m;
+            yy += w * off.y_m * off.y_m;
+            scratch.add(off.norm_m(), w);
+        }
+        (total > 0.0 && total.is_finite()).then(|| Self {
+            x_m: point.x_m,
+            y_m: point.y_m,
+            heading_rad: 0.0,
+            covariance_m2: [[xx / total, xy / total], [xy / total, yy / total]],
+            radius_68_m: scratch.radius_m(0.68 * total),
+            radius_95_m: scratch.radius_m(0.95 * total),
+            effective_sample_size: total * total / square,
+        })
+    }
+}
+
+impl EstimateScratch {
+    fn add(&mut self, distance_m: f64, weight: f64) {
+        let bin = (distance_m as f32 * (1.0 / BIN_M)) as usize;
+        self.histogram[bin.min(N_BINS - 1)] += weight;
+    }
+
+    /// The radius that holds `weight`, in metres.
+    fn radius_m(&self, weight: f64) -> f64 {
+        let mut sum = 0.0;
+        for (bin, mass) in self.histogram.iter().enumerate() {
+            if sum + mass >= weight {
+                let part = if *mass > 0.0 { (weight - sum) / mass } else { 0.0 };
+                return f64::from(BIN_M) * (bin as f64 + part);
+            }
+            sum += mass;
+        }
+        f64::from(BIN_M) * N_BINS as f64
     }
 }
 
@@ -113,5 +151,18 @@ mod tests {
         // All four lie √5 ≈ 2.236 m away: in the bin from 2.2 m to 2.3 m.
         assert!(estimate.radius_68_m > 2.2 && estimate.radius_95_m < 2.3);
         assert_eq!(CloudEstimate::of(&particles, &[0.0; 4], &mut EstimateScratch::default()), None);
+    }
+
+    #[test]
+    fn a_spread_about_a_place_by_hand() {
+        let scratch = &mut EstimateScratch::default();
+        let at = |x_m, y_m| Point2::new(x_m, y_m);
+        let places = [(at(1.0, 1.0), 3.0), (at(4.05, 5.0), 1.0), (at(1.0, 1.0), 0.0)];
+        let estimate = CloudEstimate::about(at(1.0, 1.0), places.into_iter(), scratch).unwrap();
+        assert_eq!((estimate.x_m, estimate.y_m), (1.0, 1.0));
+        assert_eq!(estimate.covariance_m2[1], [3.05, 4.0]);
+        assert!(estimate.radius_68_m < 0.1 && (estimate.radius_95_m - 5.0).abs() < 0.1, "{estimate:?}");
+        assert_eq!(estimate.effective_sample_size, 1.6);
+        assert_eq!(CloudEstimate::about(at(0.0, 0.0), core::iter::empty(), scratch), None);
     }
 }

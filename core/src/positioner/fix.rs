@@ -80,7 +80,7 @@ pub(crate) struct Inputs<'a> {
     /// How far the device has turned since the last step, in radians.
     pub turned_rad: f64,
     pub attitude: AttitudeEstimate,
-    /// The last consumed sample or the hint.
+    /// The last consumed sample that the position rests on, or the hint.
     pub last_heard: Option<Timestamp>,
     pub time: Timestamp,
 }

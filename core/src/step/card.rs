@@ -42,7 +42,7 @@ const FIRST_PERIOD_S: f64 = 0.55;
 /// # Source
 /// Kwak 2018, §5.3.1: peaks of 12 and valleys of 8 m/s² that alternate, "increasing and decreasing trends in the
 /// overall sequence for excluding false peaks and valleys". The rule for the trend is ours: the paper gives none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct CardStepCounter {
     /// Whether a peak has been counted and no valley come since.
     awaits_valley: bool,

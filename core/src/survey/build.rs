@@ -24,6 +24,9 @@ pub struct SurveyParams {
     pub route_reach_m: f64,
     /// Standard deviation of the Gaussian by which a line counts at a distance, in metres.
     pub route_width_m: f64,
+    /// Side of a radio fingerprint's cell, in metres; default 2: at a walk a cell of the map's half metre would hear one
+    /// packet of each beacon.
+    pub fingerprint_cell_m: f64,
 }
 
 impl Default for SurveyParams {
@@ -35,6 +38,7 @@ impl Default for SurveyParams {
             deviation_length_m: 2.0,
             route_reach_m: 10.0,
             route_width_m: 0.8,
+            fingerprint_cell_m: 2.0,
         }
     }
 }
@@ -134,13 +138,16 @@ pub fn build_floor(
         return Err(SurveyError::NoField);
     }
     let frame = GridFrame::covering(plan.width_m, plan.height_m, params.cell_m);
+    let heard = Heard::of(walks, &surveyed.tracks);
+    let transmitters = heard.fit(None);
     let mut map = FloorMap {
         name: name.into(),
         ordinal,
         plan: plan.clone(),
         frame,
         routes: surveyed.routes(None),
-        transmitters: Heard::of(walks, &surveyed.tracks).fit(None),
+        fingerprints: heard.fingerprints(&transmitters, params.fingerprint_cell_m),
+        transmitters,
         layers: Layers::default(),
     };
     grid_routes(&mut map, params);

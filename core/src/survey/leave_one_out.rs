@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::attitude::AttitudeEstimate;
 use crate::geometry::Point2;
-use crate::map::{FloorIndex, FloorMap, Transmitter};
+use crate::map::{Fingerprints, FloorIndex, FloorMap, Transmitter};
 use crate::metrics::ScoredFix;
 use crate::observation::radio::RadioObservation;
 use crate::positioner::fix::{Inputs, assemble};
@@ -108,9 +108,10 @@ impl<'a> LeaveOneOut<'a> {
         self.surveyed.tracks.iter().find(|(k, _)| *k as usize == walk).map(|(_, track)| track)
     }
 
-    /// The map of all walks but one, without transmitters.
+    /// The map of all walks but one, without transmitters and their fingerprints.
     fn map_without(&self, left_out: u32) -> FloorMap {
-        let mut map = FloorMap { transmitters: Vec::new(), ..self.map.clone() };
+        let mut map =
+            FloorMap { transmitters: Vec::new(), fingerprints: Fingerprints::default(), ..self.map.clone() };
         map.routes = self.surveyed.routes(Some(left_out));
         grid_routes(&mut map, &self.params);
         let others = self.surveyed.readings.iter().filter(|reading| reading.walk != left_out);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::geometry::Point2;
-use crate::map::Transmitter;
+use crate::map::{Fingerprints, Transmitter};
 use crate::radio::path_loss::{Fit, least_squares, loss_db};
 use crate::sensor::TransmitterId;
 use crate::survey::{SurveyTrack, SurveyWalk};
@@ -46,6 +46,15 @@ impl Heard {
     /// Fits every transmitter that was heard often enough outside the walk `left_out`, in order of identity.
     pub fn fit(&self, left_out: Option<u32>) -> Vec<Transmitter> {
         self.0.keys().filter_map(|&id| self.fit_one(id, left_out)).collect()
+    }
+
+    /// The fingerprints of `transmitters`, in cells of `cell_m`.
+    pub fn fingerprints(&self, transmitters: &[Transmitter], cell_m: f64) -> Fingerprints {
+        let sightings = transmitters.iter().zip(0..).flat_map(|(transmitter, index)| {
+            let sightings = self.0.get(&transmitter.id).into_iter().flatten();
+            sightings.map(move |sighting| (sighting.place, index, sighting.rssi_dbm))
+        });
+        Fingerprints::of(cell_m, transmitters.len(), sightings)
     }
 
     /// Fits one transmitter; nothing when it was not heard often enough outside the walk `left_out`.

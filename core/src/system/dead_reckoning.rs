@@ -25,6 +25,8 @@ impl Recipe {
             routes: None,
             magnetic: MagneticRule::Ignore,
             radio: None,
+            radar: None,
+            replenish: None,
             beacons: None,
             resample_below: 0.0,
             accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },

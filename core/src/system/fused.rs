@@ -33,6 +33,8 @@ impl Recipe {
             }),
             magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
             radio: Some(RadioParams::default()),
+            radar: None,
+            replenish: None,
             beacons: None,
             resample_below: 0.7,
             accuracy: AccuracyParams { scale: 1.3, floor_m: 1.25, tail: 1.15 },

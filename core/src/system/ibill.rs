@@ -51,6 +51,8 @@ impl Recipe {
             magnetic: MagneticRule::ThreeFactors(ThreeFactorsParams::default()),
             radio: None,
             beacons: Some(BeaconModeParams::default()),
+            radar: None,
+            replenish: None,
             resample_below: 0.0,
             accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
         }

@@ -37,6 +37,8 @@ impl Recipe {
             routes: None,
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
             radio: None,
+            radar: None,
+            replenish: None,
             beacons: None,
             resample_below: 1.0,
             accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },

@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::beacon_mode::{BeaconFix, RoundOutcome};
 use crate::geometry::Point2;
+use crate::observation::history;
 use crate::pedestrian::StepEvent;
 use crate::radio::RadioObservation;
 use crate::radio::range::Range;
 use crate::radio::trilateration::trilaterate;
 use crate::random::{Purpose, draw, uniform};
-use crate::system::StartRule;
+use crate::system::{MagneticRule, StartRule};
 use crate::time::Timestamp;
 use crate::tracker::{Tracker, TrackerMode};
 
@@ -54,7 +55,7 @@ struct Spread {
 impl Tracker {
     /// Whether this recipe wants to know once a second what radio was heard.
     pub fn uses_radio_rounds(&self) -> bool {
-        !self.clusters.is_empty()
+        self.recipe.radar.is_some() || !self.clusters.is_empty()
     }
 
     /// What the place rests on.
@@ -73,8 +74,8 @@ impl Tracker {
     ///
     /// # Source
     /// iBILL 2017, Fig. 4, §IV-A and §IV-C.
-    pub fn hear(&mut self, _now: Timestamp, radio: &[RadioObservation]) -> bool {
-        let Some(params) = self.recipe.beacons else { return false };
+    pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
+        let Some(params) = self.recipe.beacons else { return self.match_fingerprint(now, radio) };
         if matches!(self.state.pause, Pause::Paused { .. }) {
             return false;
         }
@@ -245,6 +246,9 @@ impl Tracker {
             }
         }
         particles.forget_places();
+        if let MagneticRule::History(params) = &self.recipe.magnetic {
+            history::forget(params, &mut self.state.history, &mut self.state.particles);
+        }
         self.state.is_oriented = level_rad.is_some();
         self.state.pause = Pause::Running;
         self.weigh_alike();

@@ -14,16 +14,18 @@ impl Tracker {
         // What turns the device between two steps turns the walker.
         self.scratch.turned_rad =
             last_heading_rad.map_or(0.0, |last_rad| wrap_rad(heading_rad - f64::from(last_rad)).abs());
-        let step_m = f64::from(self.recipe.length.advance_m(&event.cycle));
+        let step_m = f64::from(event.n_steps) * f64::from(self.recipe.length.advance_m(&event.cycle));
         self.state.walked = self.state.walked + Point2::from_polar(step_m, heading_rad);
     }
 
-    /// Moves every particle by one step of its own length in its own direction.
+    /// Moves every particle by its steps, each of its own length, in its own direction.
     pub(super) fn move_particles(&mut self, event: &StepEvent) {
         let modelled_m = self.recipe.length.advance_m(&event.cycle);
         let motion = self.recipe.motion;
         let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
         let (azimuth_sin, azimuth_cos) = libm::sincosf(azimuth_rad);
+        let (raw_sin, raw_cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
+        let n_steps = f32::from(event.n_steps);
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
@@ -43,13 +45,15 @@ impl Tracker {
                         + particles.gene_b_m[i]
                         + step_sd_m * noise[1]
                 }
+                LengthRule::Alike { mean_m, round_sd_m } => mean_m + round_sd_m * noise[1],
                 LengthRule::Interval { spread, half_width_sd } => {
                     let z = half_width_sd * (2.0 * uniform(bits[1]) - 1.0);
                     particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
                     modelled_m + spread.sd_m(modelled_m) * z
                 }
             }
-            .clamp(0.0, 1.5);
+            .clamp(0.0, 1.5)
+                * n_steps;
             let (sin, cos) = match motion.heading {
                 HeadingRule::CompensatedCompass => {
                     let [turn_sin, turn_cos] = self
@@ -64,6 +68,14 @@ impl Tracker {
                 HeadingRule::Gyroscope { walk_sd_rad, .. } => {
                     particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
                     libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
+                }
+                HeadingRule::Pathway(_) => {
+                    let (x_m, y_m) = (particles.x_m[i], particles.y_m[i]);
+                    let last = [particles.heading_sin[i], particles.heading_cos[i]];
+                    let raw = [raw_sin, raw_cos];
+                    let taken =
+                        self.ways.as_ref().map(|ways| ways.heading(x_m, y_m, raw, last, uniform(bits[2])));
+                    taken.unwrap_or(raw).into()
                 }
                 HeadingRule::GyroscopeTurns { sd_rad, half_width_sd, from_rad, .. } => {
                     if self.scratch.turned_rad >= f64::from(from_rad) {

@@ -5,7 +5,7 @@ use crate::observation::radio::{RadioObservation, log_likelihood};
 use crate::particle::Particles;
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
-use crate::system::{LengthRule, MagneticRule, StartRule};
+use crate::system::{HeadingRule, LengthRule, MagneticRule, StartRule};
 use crate::tracker::Tracker;
 
 /// Without a hint, particles start within this distance of a surveyed line, in metres.
@@ -48,6 +48,7 @@ impl Tracker {
                 particles.gene_a_m = genes.iter().map(|g| a_m + a_sd_m * g[0]).collect();
                 particles.gene_b_m = genes.iter().map(|g| b_m + b_sd_m * g[1]).collect();
             }
+            LengthRule::Alike { .. } => {}
             LengthRule::Interval { .. } => {}
         }
         match &self.recipe.magnetic {
@@ -66,6 +67,11 @@ impl Tracker {
                 particles.bias_y_ut = vec![0.0; n];
                 particles.bias_z_ut = vec![0.0; n];
                 particles.bias_variance_ut2 = vec![params.bias_sd_ut * params.bias_sd_ut; n];
+            }
+            MagneticRule::History(params) => {
+                particles.history_ut = vec![0.0; n * params.n_values()];
+                particles.history_log_weight = vec![0.0; n];
+                self.state.history.start_anew(params);
             }
             MagneticRule::ThreeFactors(params) => {
                 particles.recent_strengths_ut = vec![f32::NAN; n * params.n_steps()];
@@ -143,6 +149,13 @@ impl Tracker {
     /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
     pub(super) fn orient(&mut self, event: &StepEvent) {
         self.state.is_oriented = true;
+        if let HeadingRule::Pathway(_) = self.recipe.motion.heading {
+            // The heading before the first: the compass's.
+            let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
+            let (sin, cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
+            self.state.particles.heading_sin.fill(sin);
+            self.state.particles.heading_cos.fill(cos);
+        }
         let Some(start_sd_rad) = self.recipe.motion.heading.start_sd_rad() else { return };
         let deviations = &self.floor.map().layers.compass_deviation_rad;
         let (seed, step) = (self.seed, self.state.n_steps);

@@ -37,6 +37,13 @@ pub(super) fn check_floor(floor: &FloorMap) -> Result<(), FormatError> {
     if !floor.transmitters.iter().all(is_finite_transmitter) {
         return Err(unfit("a transmitter has a parameter that is not finite".to_owned()));
     }
+    if !floor.fingerprints.is_sound(floor.transmitters.len())
+        || !floor.fingerprints.places.iter().all(is_finite_f32)
+    {
+        return Err(unfit(
+            "the radio fingerprints do not fit the transmitters, or are not finite".to_owned(),
+        ));
+    }
     check_plan(&floor.plan)
 }
 

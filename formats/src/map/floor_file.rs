@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use fieldwalk::geometry::Point2;
-use fieldwalk::map::{FloorMap, GridFrame, Layers, Transmitter};
+use fieldwalk::map::{Fingerprints, FloorMap, GridFrame, Layers, Transmitter};
 use safetensors::SafeTensors;
 
 use super::check::{check_floor, check_frame};
@@ -26,6 +26,10 @@ const RADIO_POWER: &str = "radio_power_at_1m_dbm";
 const RADIO_EXPONENT: &str = "radio_path_loss_exponent";
 const RADIO_SIGMA: &str = "radio_sigma_db";
 const RADIO_SIGHTINGS: &str = "radio_sightings";
+const FINGERPRINT_PLACES: &str = "fingerprint_places_m";
+const FINGERPRINT_STARTS: &str = "fingerprint_starts";
+const FINGERPRINT_CELLS: &str = "fingerprint_cells";
+const FINGERPRINT_RSSI: &str = "fingerprint_rssi_dbm";
 
 /// A floor's file, parsed but not yet checked.
 #[derive(Debug)]
@@ -39,7 +43,7 @@ pub(super) struct FloorFile<'a> {
 /// The bytes of a floor's file: the same bytes for the same floor, everywhere.
 ///
 /// Layers are rounded to half floats (11 significant bits: 0.03 µT at 50 µT), with finite values clamped to ±65504;
-/// routes and transmitters are rounded to single floats.
+/// routes, transmitters and fingerprints are rounded to single floats.
 ///
 /// # Errors
 /// When a layer does not fit the grid, or when a number outside the layers is not finite.
@@ -117,6 +121,7 @@ impl<'a> FloorFile<'a> {
             layers: self.layers(frame)?,
             routes: self.routes()?,
             transmitters: self.transmitters(transmitters)?,
+            fingerprints: self.fingerprints()?,
         };
         check_floor(&floor)?;
         Ok(floor)
@@ -184,10 +189,24 @@ impl<'a> FloorFile<'a> {
         };
         names.iter().enumerate().map(transmitter).collect()
     }
+
+    /// The fingerprints; none in the file of a floor without radio, or of an older build.
+    fn fingerprints(&self) -> Result<Fingerprints, FormatError> {
+        if self.tensors.metadata.info(FINGERPRINT_PLACES).is_none() {
+            return Ok(Fingerprints::default());
+        }
+        let rssi_dbm = self.tensors.f32(FINGERPRINT_RSSI, 1)?;
+        Ok(Fingerprints {
+            places: points(&self.tensors.f32(FINGERPRINT_PLACES, 2)?),
+            starts: self.tensors.u32(FINGERPRINT_STARTS)?,
+            cells: self.tensors.u32(FINGERPRINT_CELLS)?,
+            rssi_dbm: rssi_dbm.into_iter().map(|rssi_dbm| rssi_dbm as f32).collect(),
+        })
+    }
 }
 
 fn tensors_of(floor: &FloorMap) -> Vec<Tensor> {
-    let FloorMap { frame, layers, routes, transmitters, .. } = floor;
+    let FloorMap { frame, layers, routes, transmitters, fingerprints, .. } = floor;
     let layer_shape = || vec![frame.ny, frame.nx];
     let layers = layers.named().map(|(name, layer)| Tensor::f16(name, layer_shape(), layer));
 
@@ -213,7 +232,23 @@ fn tensors_of(floor: &FloorMap) -> Vec<Tensor> {
             column(RADIO_SIGMA, |transmitter| transmitter.sigma_db),
             Tensor::u32(RADIO_SIGHTINGS, transmitters.iter().map(|transmitter| transmitter.n_sightings)),
         ])
+        .chain(fingerprint_tensors(fingerprints))
         .collect()
+}
+
+/// Nothing where there are none: such a floor's file has the bytes that it had before there were fingerprints.
+fn fingerprint_tensors(fingerprints: &Fingerprints) -> Vec<Tensor> {
+    let Fingerprints { places, starts, cells, rssi_dbm } = fingerprints;
+    if places.is_empty() {
+        return Vec::new();
+    }
+    let coordinates = places.iter().flat_map(|place| [place.x_m, place.y_m]);
+    vec![
+        Tensor::f32(FINGERPRINT_PLACES, vec![places.len(), 2], coordinates),
+        Tensor::u32(FINGERPRINT_STARTS, starts.iter().copied()),
+        Tensor::u32(FINGERPRINT_CELLS, cells.iter().copied()),
+        Tensor::f32(FINGERPRINT_RSSI, vec![rssi_dbm.len()], rssi_dbm.iter().map(|&dbm| f64::from(dbm))),
+    ]
 }
 
 fn transmitter_names(transmitters: &[Transmitter]) -> Result<Vec<String>, FormatError> {

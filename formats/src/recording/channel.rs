@@ -12,10 +12,11 @@ pub(super) enum Channel {
     Radio,
     Pressure,
     Waypoint,
+    CardFrame,
 }
 
 impl Channel {
-    pub(super) const ALL: [Self; 7] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::SpecificForce,
         Self::AngularRate,
         Self::MagneticField,
@@ -23,6 +24,7 @@ impl Channel {
         Self::Radio,
         Self::Pressure,
         Self::Waypoint,
+        Self::CardFrame,
     ];
 
     /// The channel's number and its schema's.
@@ -41,6 +43,7 @@ impl Channel {
             Self::Radio => "/radio",
             Self::Pressure => "/pressure",
             Self::Waypoint => "/waypoint",
+            Self::CardFrame => "/card_frame",
         }
     }
 
@@ -53,6 +56,7 @@ impl Channel {
             Self::Radio => "fieldwalk.RadioSighting",
             Self::Pressure => "fieldwalk.Pressure",
             Self::Waypoint => "fieldwalk.Waypoint",
+            Self::CardFrame => "fieldwalk.CardFrame",
         }
     }
 
@@ -68,12 +72,22 @@ impl Channel {
             Self::Radio => &["rssi_dbm"],
             Self::Pressure => &["pressure_hpa"],
             Self::Waypoint => &["x_m", "y_m"],
+            Self::CardFrame => &[],
         }
     }
 
     /// Whether the numbers are f64; those of all sensors are f32.
     pub(super) fn is_double(self) -> bool {
         self == Self::Waypoint
+    }
+
+    /// The name and the meaning of the message's text, where it has one.
+    pub(super) fn text(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Radio => Some(("transmitter", TRANSMITTER)),
+            Self::CardFrame => Some(("frame", FRAME)),
+            _ => None,
+        }
     }
 
     /// The JSON Schema of the messages.
@@ -83,9 +97,8 @@ impl Channel {
     pub(super) fn json_schema(self) -> Vec<u8> {
         let mut properties = serde_json::Map::new();
         let mut not_finite = serde_json::Map::new();
-        if self == Self::Radio {
-            properties
-                .insert("transmitter".to_owned(), json!({ "type": "string", "description": TRANSMITTER }));
+        if let Some((name, description)) = self.text() {
+            properties.insert(name.to_owned(), json!({ "type": "string", "description": description }));
         }
         for &field in self.fields() {
             properties.insert(field.to_owned(), json!({ "type": "number" }));
@@ -127,11 +140,14 @@ impl Channel {
             Self::Waypoint => {
                 "The walker stood at this point of the floor frame: x right, y up on the plan, metres."
             }
+            Self::CardFrame => "An ID card's advertisement as one access point or several heard it.",
         }
     }
 }
 
 const TRANSMITTER: &str = "`ble:` or `wifi:` and six bytes in hexadecimal, or `ibeacon:UUID/major/minor`";
+
+const FRAME: &str = "the 31 bytes of the advertisement, in hexadecimal";
 
 const NOT_FINITE: &str = "the numbers that are not finite, by name; they are left out above";
 

@@ -24,7 +24,7 @@ const MAX_NUMBERS: usize = 6;
 /// # Errors
 /// When the record is of a kind that this version cannot write.
 pub(super) fn encode(record: &Record, json: &mut Vec<u8>) -> Result<(Channel, u64), FormatError> {
-    let (channel, numbers, transmitter) = take_apart(record).ok_or_else(|| {
+    let (channel, numbers, text) = take_apart(record).ok_or_else(|| {
         FormatError::malformed(
             "a record of a kind that recordings do not hold",
             "leave it out, or update Fieldwalk",
@@ -32,9 +32,9 @@ pub(super) fn encode(record: &Record, json: &mut Vec<u8>) -> Result<(Channel, u6
     })?;
     json.clear();
     json.push(b'{');
-    if let Some(transmitter) = transmitter {
-        // An identity's spelling has nothing that JSON escapes.
-        push(json, format_args!("\"transmitter\":\"{transmitter}\","));
+    if let Some((text, (name, _))) = text.zip(channel.text()) {
+        // Neither an identity's spelling nor hexadecimal has anything that JSON escapes.
+        push(json, format_args!("\"{name}\":\"{text}\","));
     }
     let mut has_not_finite = false;
     for (name, &number) in channel.fields().iter().zip(&numbers) {
@@ -100,6 +100,9 @@ pub(super) fn decode(channel: Channel, log_time: u64, json: &[u8]) -> Result<Rec
             Reading::Radio(RadioSighting { transmitter, rssi_dbm: a })
         }
         Channel::Pressure => Reading::Pressure { pressure_hpa: a },
+        Channel::CardFrame => {
+            Reading::CardFrame(message.frame.ok_or_else(|| serde_json::Error::missing_field("frame"))?)
+        }
         Channel::Waypoint => {
             return Ok(Record::Waypoint { time, point: Point2::new(numbers[0], numbers[1]) });
         }
@@ -109,13 +112,13 @@ pub(super) fn decode(channel: Channel, log_time: u64, json: &[u8]) -> Result<Rec
 
 type Parts = (Channel, [f64; MAX_NUMBERS], Option<String>);
 
-/// The record's channel, numbers and transmitter; `None` for a kind that this version cannot write.
+/// The record's channel, numbers and text; `None` for a kind that this version cannot write.
 fn take_apart(record: &Record) -> Option<Parts> {
     let mut numbers = [0.0; MAX_NUMBERS];
     let mut fill = |from: usize, values: &[f32]| {
         numbers.iter_mut().skip(from).zip(values).for_each(|(number, &value)| *number = f64::from(value));
     };
-    let mut transmitter = None;
+    let mut text = None;
     let channel = match record {
         Record::Waypoint { point, .. } => {
             numbers[..2].copy_from_slice(&[point.x_m, point.y_m]);
@@ -141,17 +144,21 @@ fn take_apart(record: &Record) -> Option<Parts> {
             }
             Reading::Radio(sighting) => {
                 fill(0, &[sighting.rssi_dbm]);
-                transmitter = Some(transmitter_id::to_text(&sighting.transmitter)?);
+                text = Some(transmitter_id::to_text(&sighting.transmitter)?);
                 Channel::Radio
             }
             Reading::Pressure { pressure_hpa } => {
                 fill(0, &[*pressure_hpa]);
                 Channel::Pressure
             }
+            Reading::CardFrame(frame) => {
+                text = Some(frame.iter().map(|byte| format!("{byte:02x}")).collect());
+                Channel::CardFrame
+            }
             _ => return None,
         },
     };
-    Some((channel, numbers, transmitter))
+    Some((channel, numbers, text))
 }
 
 fn push(json: &mut Vec<u8>, text: fmt::Arguments<'_>) {
@@ -167,11 +174,26 @@ fn push_number(json: &mut Vec<u8>, number: f64, is_double: bool) {
     debug_assert!(written.is_ok(), "memory takes every byte");
 }
 
+/// The bytes that `hexadecimal` spells, two digits each.
+fn bytes<const N: usize>(hexadecimal: &str) -> Option<[u8; N]> {
+    let mut bytes = [0; N];
+    let (pairs, []) = hexadecimal.as_bytes().as_chunks::<2>() else { return None };
+    if pairs.len() != N {
+        return None;
+    }
+    for (byte, pair) in bytes.iter_mut().zip(pairs) {
+        let [high, low] = pair.map(|digit| char::from(digit).to_digit(16));
+        *byte = (high? << 4 | low?) as u8;
+    }
+    Some(bytes)
+}
+
 /// What a message says, field by field.
 #[derive(Default)]
 struct Message {
     numbers: [Option<f64>; MAX_NUMBERS],
     transmitter: Option<TransmitterId>,
+    frame: Option<[u8; 31]>,
     time_ns: Option<i64>,
 }
 
@@ -223,6 +245,10 @@ impl<'de> Visitor<'de> for MessageOf {
                     message.transmitter =
                         Some(id.ok_or_else(|| A::Error::custom("no transmitter identity"))?);
                 }
+                Key::Frame => {
+                    let text: String = map.next_value()?;
+                    message.frame = Some(bytes(&text).ok_or_else(|| A::Error::custom("no 31 bytes"))?);
+                }
                 Key::Time => message.time_ns = Some(map.next_value()?),
                 Key::Other => {
                     map.next_value::<IgnoredAny>()?;
@@ -238,6 +264,7 @@ enum Key {
     Number(usize),
     NotFinite,
     Transmitter,
+    Frame,
     Time,
     Other,
 }
@@ -265,6 +292,7 @@ impl Visitor<'_> for KeyOf {
             None => match name {
                 "not_finite" => Key::NotFinite,
                 "transmitter" => Key::Transmitter,
+                "frame" => Key::Frame,
                 "time_ns" => Key::Time,
                 _ => Key::Other,
             },

@@ -8,7 +8,7 @@ use crate::noise::Noise;
 use crate::phone::{CarryMode, PhoneModel};
 use crate::radio::RadioModel;
 use crate::scenario::ORIGIN;
-use crate::walker::{Gait, Pause, WalkerProfile};
+use crate::walker::{Gait, Pace, Pause, WalkerProfile};
 
 /// Marks on long stretches are at most this far apart, in metres.
 const MARK_SPACING_M: f64 = 10.0;
@@ -27,6 +27,8 @@ pub struct Walk {
     pub heights_m: Vec<f64>,
     /// Stops on the way.
     pub pauses: Vec<Pause>,
+    /// Changes of speed on the way, in order of their places.
+    pub paces: Vec<Pace>,
     /// Who walks.
     pub walker: WalkerProfile,
     /// From which second on the phone is carried how.
@@ -49,6 +51,7 @@ impl Walk {
             path,
             heights_m: Vec::new(),
             pauses: Vec::new(),
+            paces: Vec::new(),
             walker: WalkerProfile::default(),
             carrying: vec![(0.0, CarryMode::HeldLevel)],
             phone: PhoneModel::default(),

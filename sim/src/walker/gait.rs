@@ -6,7 +6,7 @@ use fieldwalk::geometry::{Point2, wrap_rad};
 
 use crate::noise::{Noise, SmoothNoise, smooth_step};
 use crate::walker::spline::{Ends, Spline};
-use crate::walker::{Course, Pause, Step, WalkerProfile, pace};
+use crate::walker::{Course, Pace, Pause, Step, WalkerProfile, pace};
 
 /// The jolt of a heel strike as it reaches the trunk: how long it rings, in seconds, and at what frequency.
 ///
@@ -128,7 +128,19 @@ struct Contact {
 impl Gait {
     /// `walker` stands for `standing_s`, follows `course` with its stops, and stands again for `standing_s`.
     pub fn new(walker: &WalkerProfile, course: Course, pauses: &[Pause], standing_s: f64, seed: u64) -> Self {
-        let planned = pace::plan(walker, &course, pauses, standing_s, seed);
+        Self::with_paces(walker, course, pauses, &[], standing_s, seed)
+    }
+
+    /// The same with changes of speed, in order of their places.
+    pub fn with_paces(
+        walker: &WalkerProfile,
+        course: Course,
+        pauses: &[Pause],
+        paces: &[Pace],
+        standing_s: f64,
+        seed: u64,
+    ) -> Self {
+        let planned = pace::plan(walker, &course, pauses, paces, standing_s, seed);
         let steps: Vec<Step> = planned.iter().flatten().copied().collect();
         let mut noise = Noise::new(seed, "gait", 0);
         let mut jolts = Noise::new(seed, "jolts", 0);
@@ -309,6 +321,20 @@ mod tests {
         let end = gait.body(gait.duration_s()).position;
         assert!(end.distance_m(Point2::new(15.0, 2.0)) < 0.3, "{end:?}");
         assert_eq!(gait.body(0.5).vigour, 0.0);
+    }
+
+    #[test]
+    fn a_walker_changes_speed_where_asked() {
+        let line = [Point2::new(0.0, 0.0), Point2::new(0.0, 120.0)];
+        let paces = [Pace { from_m: 40.0, factor: 0.6 }, Pace { from_m: 80.0, factor: 1.4 }];
+        let walker = WalkerProfile::default();
+        let gait = Gait::with_paces(&walker, Course::new(&line), &[], &paces, 1.5, 7);
+        let speed_m_s =
+            |from_m: f64, to_m: f64| (to_m - from_m) / (gait.time_at_s(to_m) - gait.time_at_s(from_m));
+        for (from_m, to_m, expected_m_s) in [(5.0, 38.0, 1.2), (43.0, 78.0, 0.72), (83.0, 115.0, 1.68)] {
+            let walked_m_s = speed_m_s(from_m, to_m);
+            assert!((walked_m_s / expected_m_s - 1.0).abs() < 0.1, "{walked_m_s} m/s, meant {expected_m_s}");
+        }
     }
 
     #[test]

@@ -32,6 +32,15 @@ pub struct Pause {
     pub duration_s: f64,
 }
 
+/// A change of speed on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// From how far along the path it holds, in metres.
+    pub from_m: f64,
+    /// What the walker's own speed is multiplied by; 1 before the first change.
+    pub factor: f64,
+}
+
 /// A step as it was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
@@ -50,11 +59,13 @@ pub struct Step {
 /// Steps without a stop.
 pub(super) type Bout = Vec<Step>;
 
-/// Plans the steps along `course`, with a stop at each of `pauses`; the first begins at `start_s`.
+/// Plans the steps along `course`, with a stop at each of `pauses`, at the speeds of `paces`, in order of their places;
+/// the first begins at `start_s`.
 pub(super) fn plan(
     walker: &WalkerProfile,
     course: &Course,
     pauses: &[Pause],
+    paces: &[Pace],
     start_s: f64,
     seed: u64,
 ) -> Vec<Bout> {
@@ -70,7 +81,7 @@ pub(super) fn plan(
         while mark.at_m - at_m > 1e-3 && bout.len() < 100_000 {
             let flight =
                 flights.iter().find(|flight| flight.from_m - 1e-3 <= at_m && at_m < flight.to_m - 1e-3);
-            let speed_m_s = speed_m_s(walker, course, at_m, 1.0 + waver.at(time_s));
+            let speed_m_s = speed_m_s(walker, course, at_m, factor(paces, at_m) * (1.0 + waver.at(time_s)));
             let (mut usual_m, mut usual_hz) =
                 (walker.step_length_m(speed_m_s), walker.step_frequency_hz(speed_m_s));
             let mut length_sd = walker.length_sd;
@@ -129,9 +140,14 @@ fn marks(course: &Course, flights: &[Flight], pauses: &[Pause]) -> Vec<Mark> {
     marks
 }
 
+/// The factor on the walker's speed that holds at `at_m`.
+fn factor(paces: &[Pace], at_m: f64) -> f64 {
+    paces.iter().take_while(|pace| pace.from_m <= at_m).last().map_or(1.0, |pace| pace.factor)
+}
+
 /// The pace at `at_m`, slackened for the corner that the next step meets.
-fn speed_m_s(walker: &WalkerProfile, course: &Course, at_m: f64, waver: f64) -> f64 {
-    let free_m_s = walker.speed_m_s * waver;
+fn speed_m_s(walker: &WalkerProfile, course: &Course, at_m: f64, factor: f64) -> f64 {
+    let free_m_s = walker.speed_m_s * factor;
     let sharpest_rad_m = course.sharpest_rad_m(at_m - 0.2, at_m + walker.step_length_m(free_m_s));
     let limit_m_s = MAX_TURNING_RAD_S / sharpest_rad_m.max(1e-9);
     free_m_s.min(limit_m_s.max(MIN_SPEED_M_S.min(free_m_s)))

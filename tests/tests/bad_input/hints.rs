@@ -11,7 +11,7 @@ use fieldwalk::system::Recipe;
 use fieldwalk::time::{Duration, Timestamp};
 use fieldwalk_tests::synthetic::{FLOOR_NAME, FLOOR_ORDINAL};
 
-use crate::{WORLD, assert_sound, fixes, fresh, hint, placed, recipes, samples};
+use crate::{WORLD, assert_sound, fixes, followers, fresh, hint, placed, recipes, samples};
 
 #[test]
 fn hints_that_make_no_sense_are_refused_and_change_nothing() {
@@ -61,7 +61,7 @@ fn a_hint_far_from_any_survey_goes_on_without_a_map() {
     let walks = WORLD.floor.survey();
     let map = build_floor(FLOOR_NAME, FLOOR_ORDINAL, &plan, &walks[..2], &SurveyParams::default()).unwrap();
     let index = Arc::new(FloorIndex::new(map));
-    for recipe in recipes() {
+    for recipe in followers() {
         let mut positioner = Positioner::new(Arc::clone(&index), recipe.clone(), 1);
         let far = Point2::new(200.0, 120.0);
         positioner.hint(PositionHint { point: far, ..hint() }).unwrap();

@@ -11,6 +11,7 @@ mod surveys;
 use std::sync::{Arc, LazyLock};
 
 use fieldwalk::Rejections;
+use fieldwalk::front_end::FrontEndRule;
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
 use fieldwalk::positioner::{Fix, PositionHint, Positioner};
@@ -39,6 +40,16 @@ fn samples() -> &'static [Sample] {
 
 fn recipes() -> Vec<Recipe> {
     Recipe::NAMES.iter().map(|name| Recipe::named(name).unwrap()).collect()
+}
+
+/// Those that follow steps: RADAR rests on radio alone.
+fn followers() -> impl Iterator<Item = Recipe> {
+    recipes().into_iter().filter(|recipe| recipe.radar.is_none())
+}
+
+/// A card has a fix a second where a phone has one a step.
+fn n_fixes(recipe: &Recipe, n_steps: usize) -> usize {
+    if recipe.front_end == FrontEndRule::Card { n_steps / 2 } else { n_steps }
 }
 
 fn hint() -> PositionHint {

@@ -289,7 +289,7 @@ fn turned_moments(trial: &CapturedTrial, params: AttitudeParams) -> Vec<Moment> 
 }
 
 /// The sample of a phone turned by a quarter to the left about its screen's normal, otherwise moved alike.
-fn turn_left(sample: &mut Sample) {
+pub fn turn_left(sample: &mut Sample) {
     let left = |[x, y, z]: [f32; 3]| [y, -x, z];
     match &mut sample.reading {
         Reading::SpecificForce(v) | Reading::AngularRate(v) | Reading::MagneticField(v) => *v = left(*v),

@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 use std::path::PathBuf;
-use std::str;
+use std::{iter, str};
 
 use fieldwalk::time::Timestamp;
 
@@ -15,7 +15,7 @@ const MAX_FOREIGN_LINES: u64 = 200;
 
 /// The rows of a file, what was wrong with the others, and whether the file is one of the format at all.
 #[derive(Debug)]
-pub(super) struct Rows<R> {
+pub(crate) struct Rows<R> {
     lines: TextLines<R>,
     name: PathBuf,
     kind: &'static str,
@@ -26,7 +26,7 @@ pub(super) struct Rows<R> {
 }
 
 impl<R: BufRead> Rows<R> {
-    pub(super) fn new(reader: R, name: PathBuf, kind: &'static str, remedy: &'static str) -> Self {
+    pub(crate) fn new(reader: R, name: PathBuf, kind: &'static str, remedy: &'static str) -> Self {
         Self {
             lines: TextLines::new(reader),
             name,
@@ -38,12 +38,12 @@ impl<R: BufRead> Rows<R> {
         }
     }
 
-    pub(super) fn rejections(&self) -> &LineRejections {
+    pub(crate) fn rejections(&self) -> &LineRejections {
         &self.rejections
     }
 
     /// What `parse` makes of the next line that it accepts; empty lines are passed over.
-    pub(super) fn next_row<T>(
+    pub(crate) fn next_row<T>(
         &mut self,
         parse: impl Fn(&[u8]) -> Result<T, LineFault>,
     ) -> Option<Result<T, FormatError>> {
@@ -82,19 +82,19 @@ impl<R: BufRead> Rows<R> {
             Some((line, fault)) => (line, fault.to_string()),
             None => (self.lines.number().max(1), "no row in it".to_owned()),
         };
-        FormatError::malformed(format!("not the {} of a walk: {cause}", self.kind), self.remedy)
+        FormatError::malformed(format!("not {}: {cause}", self.kind), self.remedy)
             .at_path(&self.name)
             .at_line(line)
     }
 }
 
 /// The comma-separated fields of a line, left to right.
-pub(super) struct Fields<'a> {
+pub(crate) struct Fields<'a> {
     rest: Option<&'a str>,
 }
 
 impl<'a> Fields<'a> {
-    pub(super) fn new(line: &'a [u8]) -> Result<Self, LineFault> {
+    pub(crate) fn new(line: &'a [u8]) -> Result<Self, LineFault> {
         Ok(Self { rest: Some(str::from_utf8(line).map_err(|_| LineFault::NotUtf8)?) })
     }
 
@@ -109,23 +109,48 @@ impl<'a> Fields<'a> {
     }
 
     /// Nanoseconds on the phone's clock since it was started, never negative.
-    pub(super) fn time(&mut self) -> Result<Timestamp, LineFault> {
+    pub(crate) fn time(&mut self) -> Result<Timestamp, LineFault> {
         let nanos: i64 = self.next()?.parse().map_err(|_| LineFault::Time)?;
         if nanos < 0 { Err(LineFault::Time) } else { Ok(Timestamp::from_nanos(nanos)) }
     }
 
-    pub(super) fn integer<T: str::FromStr>(&mut self) -> Result<T, LineFault> {
+    pub(crate) fn integer<T: str::FromStr>(&mut self) -> Result<T, LineFault> {
         self.next()?.parse().map_err(|_| LineFault::Number)
     }
 
-    /// One finite number.
-    pub(super) fn number(&mut self) -> Result<f32, LineFault> {
-        let number: f32 = self.next()?.parse().map_err(|_| LineFault::Number)?;
-        if number.is_finite() { Ok(number) } else { Err(LineFault::NotFinite) }
+    /// One finite number, an `f32` or an `f64`.
+    pub(crate) fn number<T: str::FromStr + Copy + Into<f64>>(&mut self) -> Result<T, LineFault> {
+        let number: T = self.integer()?;
+        if number.into().is_finite() { Ok(number) } else { Err(LineFault::NotFinite) }
+    }
+
+    /// Seconds since 1970, never negative, to the nanosecond: `1568979940.637430906`.
+    pub(crate) fn unix_seconds(&mut self) -> Result<Timestamp, LineFault> {
+        let field = self.next()?;
+        let (whole, decimals) = field.split_once('.').unwrap_or((field, ""));
+        let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+        if !is_digits(whole) || !is_digits(decimals) {
+            return Err(LineFault::Time);
+        }
+        let seconds: i64 = whole.parse().map_err(|_| LineFault::Time)?;
+        let digits = decimals.bytes().chain(iter::repeat(b'0')).take(9);
+        let nanos = digits.fold(0, |nanos, digit| 10 * nanos + i64::from(digit - b'0'));
+        let time = seconds.checked_mul(1_000_000_000).and_then(|time| time.checked_add(nanos));
+        time.map(Timestamp::from_nanos).ok_or(LineFault::Time)
+    }
+
+    /// A hardware address as twelve hexadecimal digits.
+    pub(crate) fn address(&mut self) -> Result<[u8; 6], LineFault> {
+        address(self.next()?).ok_or(LineFault::Identity)
+    }
+
+    /// Whether no field is left.
+    pub(crate) fn is_at_end(&self) -> bool {
+        self.rest.is_none()
     }
 
     /// `0`, open, or `1`, closed.
-    pub(super) fn switch(&mut self) -> Result<bool, LineFault> {
+    pub(crate) fn switch(&mut self) -> Result<bool, LineFault> {
         match self.integer::<u8>()? {
             0 => Ok(false),
             1 => Ok(true),
@@ -133,7 +158,17 @@ impl<'a> Fields<'a> {
         }
     }
 
-    pub(super) fn end(&self) -> Result<(), LineFault> {
+    pub(crate) fn end(&self) -> Result<(), LineFault> {
         if self.rest.is_none() { Ok(()) } else { Err(LineFault::FieldCount) }
     }
+}
+
+/// The hardware address that twelve hexadecimal digits spell.
+pub(crate) fn address(text: &str) -> Option<[u8; 6]> {
+    if text.len() != 12 || !text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+        return None;
+    }
+    let number = u64::from_str_radix(text, 16).ok()?;
+    let [_, _, address @ ..] = number.to_be_bytes();
+    Some(address)
 }
