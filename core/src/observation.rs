@@ -1,5 +1,6 @@
 //! Observations: how well each particle's place explains what was sensed, as log-likelihoods.
 
+pub mod ble_filter;
 pub mod field_vector;
 pub mod history;
 pub mod mass_centered;

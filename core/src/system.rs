@@ -13,12 +13,13 @@ use serde::{Deserialize, Serialize};
 use crate::beacon_mode::BeaconModeParams;
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
+use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
 use crate::observation::three_factors::ThreeFactorsParams;
-use crate::particle::{ReplenishParams, SpawningParams};
+use crate::particle::{ReplenishParams, Resampling, SpawningParams};
 use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
@@ -50,6 +51,9 @@ pub struct Recipe {
     pub magnetic: MagneticRule,
     /// What radio says, if anything.
     pub radio: Option<RadioParams>,
+    /// Whether fingerprints say in the beginning where no particle is worth keeping.
+    #[serde(default)]
+    pub ble_filter: Option<BleFilterParams>,
     /// Set, the place of the nearest radio fingerprint is the position, once a second, and steps say nothing.
     #[serde(default)]
     pub radar: Option<FingerprintParams>,
@@ -62,6 +66,9 @@ pub struct Recipe {
     pub beacons: Option<BeaconModeParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
+    /// How copies are drawn then.
+    #[serde(default)]
+    pub resampling: Resampling,
     /// How the stated radii follow from the cloud.
     pub accuracy: AccuracyParams,
 }
@@ -169,10 +176,11 @@ pub enum LengthRule {
         /// Standard deviation of one step's length over its mean.
         step_sd: f32,
     },
-    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`.
+    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`, and steps in a turn shortened by
+    /// [`turned_length_m`](crate::step::turned_length_m).
     ///
     /// # Source
-    /// Mass-centred 2019, Eq. 13; initial genes, δ and Λ are ours (the paper gives none).
+    /// Mass-centred 2019, Eqs. 13 and 14; initial genes, δ and Λ are ours (the paper gives none).
     Genetic {
         /// Mean of `p_a` at the start, metres per Hz.
         a_m: f32,
@@ -338,9 +346,13 @@ systems! {
 }
 
 impl Recipe {
-    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses.
+    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses; RADAR has no use for
+    /// them and stays as it is.
     #[must_use]
     pub fn with_plan(self) -> Self {
+        if self.radar.is_some() {
+            return self;
+        }
         let Self { plan, routes, .. } = Self::fused();
         Self { plan, routes, ..self }
     }

@@ -17,6 +17,7 @@ use crate::geometry::Point2;
 use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
 use crate::observation::history::{DeviceHistory, HistoryScratch};
+use crate::observation::mass_centered::Departure;
 use crate::observation::radio::RadioObservation;
 use crate::observation::three_factors::ObservedStrengths;
 use crate::observation::{field_vector, history, mass_centered, radio, three_factors};
@@ -42,12 +43,13 @@ pub struct TrackerState {
     n_steps: u32,
     /// Mean length of the latest step over particles, in metres.
     step_length_m: f64,
-    last_end_strength_ut: Option<f32>,
+    /// What the mass-centred weight compares the next step to.
+    last_observed: mass_centered::LastObserved,
+    /// Heading of the latest step's device, and how far it turned since the step before: what Eq. 14 asks for.
+    last_level_heading_rad: Option<f32>,
+    turn_rad: f32,
     /// What the device has read lately, where histories are compared.
     history: DeviceHistory,
-    /// Heading of the device at the latest step, in the level frame, in radians.
-    #[serde(default)]
-    last_level_heading_rad: Option<f32>,
     /// Mean strengths of the latest steps, for recipes that compare them.
     #[serde(default)]
     observed_strengths: ObservedStrengths,
@@ -65,6 +67,8 @@ pub struct TrackerState {
     pause: Pause,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
+    /// The first round after the start.
+    first_round: Option<Timestamp>,
     /// When a radio fingerprint was last matched.
     matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
@@ -111,12 +115,10 @@ struct Scratch {
     weights: Vec<f32>,
     resample: ResampleScratch,
     estimate: EstimateScratch,
-    matcher: FingerprintMatcher,
     history: HistoryScratch,
     replenish: ReplenishScratch,
+    matcher: FingerprintMatcher,
     ranges: Vec<Range>,
-    /// By what angle the device turned from the last step to this one, in radians.
-    turned_rad: f64,
 }
 
 impl Tracker {
@@ -142,14 +144,14 @@ impl Tracker {
             weights: Vec::with_capacity(n),
             resample: ResampleScratch::with_capacity(n, window),
             estimate: EstimateScratch::default(),
-            matcher: match recipe.radar {
-                Some(_) => FingerprintMatcher::new(&floor.map().fingerprints),
-                None => FingerprintMatcher::default(),
-            },
             history: HistoryScratch::with_capacity(n_slots),
             replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
+            matcher: if recipe.radar.is_some() || recipe.ble_filter.is_some() {
+                FingerprintMatcher::new(&floor.map().fingerprints)
+            } else {
+                FingerprintMatcher::default()
+            },
             ranges: Vec::with_capacity(MAX_RANGES),
-            turned_rad: 0.0,
         };
         let clusters = recipe
             .beacons
@@ -191,9 +193,9 @@ impl Tracker {
         let is_genetic = matches!(length, LengthRule::Genetic { .. });
         let is_scaled = matches!(length, LengthRule::Scaled { .. });
         let has_gyroscope = self.recipe.motion.heading.start_sd_rad().is_some();
-        let window = match self.recipe.magnetic {
-            MagneticRule::MassCentered(params) => params.window.max(1),
-            _ => 0,
+        let (window, has_direction) = match self.recipe.magnetic {
+            MagneticRule::MassCentered(params) => (params.window.max(1), params.direction.is_some()),
+            _ => (0, false),
         };
         let (n_values, n_slots) = match self.recipe.magnetic {
             MagneticRule::History(params) => (params.n_values(), params.n_slots()),
@@ -211,8 +213,17 @@ impl Tracker {
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
+            Part::FieldDirection => usize::from(has_direction),
+            Part::FieldDirectionWindow => {
+                if has_direction {
+                    window
+                } else {
+                    0
+                }
+            }
             Part::History => usize::from(n_values > 0),
             Part::HistoryWindow => n_values,
+            Part::BleFilter => usize::from(self.recipe.ble_filter.is_some()),
             Part::ThreeFactorsWindow => factors_window,
         };
         state.history.fits(n_slots)
@@ -290,6 +301,7 @@ impl Tracker {
             let transmitters = &self.floor.map().transmitters;
             radio::update(params, transmitters, radio, is_wide, &mut self.state.particles);
         }
+        self.filter_start(event, radio);
         if !self.weigh() {
             self.recover();
         }
@@ -338,11 +350,18 @@ impl Tracker {
         match &self.recipe.magnetic {
             MagneticRule::Ignore => {}
             MagneticRule::MassCentered(params) => {
-                let last = core::mem::replace(&mut self.state.last_end_strength_ut, event.end_strength_ut);
-                if let (Some(now), Some(last)) = (event.end_strength_ut, last) {
-                    let (particles, weights) = (&mut self.state.particles, &mut self.scratch.weights);
-                    mass_centered::update(params, &self.floor, now - last, particles, weights);
-                }
+                let Scratch { from_x_m, from_y_m, weights, .. } = &mut self.scratch;
+                let departure = Departure { from_x_m, from_y_m, turn_rad: self.state.turn_rad };
+                let TrackerState { last_observed, particles, .. } = &mut self.state;
+                mass_centered::weigh(
+                    params,
+                    &self.floor,
+                    event,
+                    departure,
+                    last_observed,
+                    particles,
+                    weights,
+                );
             }
             MagneticRule::FieldVector(params) => {
                 if event.field_bias_reset {
@@ -443,8 +462,10 @@ impl Tracker {
             .estimate
             .is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
         if is_degenerate || self.recipe.resample_below >= 1.0 {
-            let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
-            self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+            let (seed, step) = (self.seed, self.state.n_steps);
+            let bits = |k| draw(seed, step, k, Purpose::Resampling)[0];
+            let Scratch { weights, resample, .. } = &mut self.scratch;
+            self.state.particles.resample(self.recipe.resampling, weights, bits, resample);
             if let MagneticRule::History(params) = &self.recipe.magnetic
                 && !params.counts_once
             {

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! # What is not simulated
-//! Lifts that are ridden, the carried card, crowds.
+//! Lifts that are ridden, crowds.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
@@ -25,6 +25,7 @@ mod vector;
 
 pub mod air;
 pub mod building;
+pub mod card;
 pub mod magnetic_field;
 pub mod phone;
 pub mod radio;

@@ -8,4 +8,5 @@ mod sensors;
 
 pub use carry::{CarryMode, Grip};
 pub use motion::{Carried, Pose};
+pub(crate) use sensors::Sensor;
 pub use sensors::{Magnetometer, PhoneModel, SensorModel};

@@ -5,6 +5,7 @@ mod layout;
 mod shadowing;
 
 pub use hearing::RadioModel;
+pub(crate) use hearing::shadow_of_body;
 pub use shadowing::Shadowing;
 
 use fieldwalk::geometry::{Point2, Segment};

@@ -16,7 +16,7 @@ use crate::air::Air;
 use crate::building::{Building, Stairs, keeping_right};
 use crate::magnetic_field::{EarthField, FieldOfDay, MagneticField, MovableParams, SteelParams, steel};
 use crate::noise::Noise;
-use crate::phone::{Carried, Grip};
+use crate::phone::{Carried, CarryMode, Grip};
 use crate::radio::RadioScene;
 use crate::walker::{Course, Gait, Pause, WalkerProfile};
 
@@ -207,11 +207,22 @@ impl Scenario {
         let Walk { walker, pauses, paces, .. } = walk;
         let gait = Gait::with_paces(walker, course, pauses, paces, STANDING_S, walk.seed);
         let grip = Grip::drawn(walk.walker.height_m, walk.seed);
-        let carried = Carried::new(gait, grip, &walk.carrying);
-        let field = self.field_of_day(carried.gait().duration_s(), walk.seed);
+        let field = self.field_of_day(gait.duration_s(), walk.seed);
         let air = Air::drawn(walk.seed);
-        let mut samples = walk.phone.record(&carried, &field, &air, ORIGIN, [walk.device, walk.seed]);
-        samples.extend(walk.radio.listen(&carried, &self.radio, ORIGIN, walk.device, walk.seed));
+        let seeds = [walk.device, walk.seed];
+        let mut samples = Vec::new();
+        if let Some(card) = &walk.card {
+            let mode = CarryMode::OnStrap { height_cm: card.height_cm };
+            let hung = Carried::new(gait.clone(), grip.clone(), &[(0.0, mode)]);
+            samples.extend(card.record(&hung, &field, &self.radio, ORIGIN, seeds));
+        }
+        let carried = Carried::new(gait, grip, &walk.carrying);
+        if walk.card.is_none_or(|card| !card.sends_frames) {
+            samples.extend(walk.phone.record(&carried, &field, &air, ORIGIN, seeds));
+        }
+        if walk.card.is_none() {
+            samples.extend(walk.radio.listen(&carried, &self.radio, ORIGIN, walk.device, walk.seed));
+        }
         // Stable: samples of one instant keep the order of their sensors.
         samples.sort_by_key(|sample| sample.time);
         let gait = carried.gait();

@@ -4,6 +4,7 @@
 //! | file | content |
 //! |---|---|
 //! | `map/` | the map, of one floor |
+//! | `plan.geojson` | its plan |
 //! | `walk.txt` | the walk as a log that `fieldwalk replay` reads |
 //! | `walk.samples` | its records in order of time, for encoders: a record a line, fields separated by spaces |
 //! | `walk.batch` | its samples in one batch, by the encoder for Rust |
@@ -43,6 +44,7 @@ fn main() {
     };
     let scenario = Scenario::of_building(office().build(), &SteelParams::default(), SEED);
     let plan = &scenario.building.plan;
+    write("plan.geojson", fieldwalk_formats::write_plan(plan).as_bytes());
     let walks: Vec<SurveyWalk> =
         scenario.survey_walks().iter().map(|walk| scenario.simulate(walk).survey_walk()).collect();
     let floor = build_floor("F1", 0, plan, &walks, &SurveyParams::default()).expect("the survey gives a map");

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::aarch64::{self, TARGET};
-use crate::kotlin;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
+use crate::{kotlin, python};
 
 const CARGO_DENY_VERSION: &str = "0.20.2";
 pub const CARGO_DENY_REMEDY: &str = "cargo install --locked cargo-deny";
@@ -65,8 +65,8 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "python3 with venv",
-        purpose: "a map read without our code",
-        is_present: || succeeds(Command::new("python3").args(["-c", "import venv, ensurepip"])),
+        purpose: "stage python",
+        is_present: || python::find_python().is_some(),
         packages: &["python3", "python3-venv"],
     },
 ];

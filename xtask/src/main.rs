@@ -7,6 +7,7 @@ mod fuzz;
 mod install;
 mod kotlin;
 mod process;
+mod python;
 mod report;
 mod stages;
 mod tidy;

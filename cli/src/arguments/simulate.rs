@@ -42,6 +42,7 @@ Examples:
   fieldwalk survey office --out office.map
   fieldwalk replay office.map office/test/*.mcap
   fieldwalk simulate office --out pocket --seed 7 --walks 20 --carry pocket
+  fieldwalk simulate card-office --out cards --card
   fieldwalk simulate --list
 
 Written into DIR, the layout `recordings` of `fieldwalk survey --help`:
@@ -81,6 +82,11 @@ pub struct SimulateArguments {
     /// shaken or table.
     #[arg(long, value_name = "MODE", default_value = "level", value_parser = carry_mode)]
     pub carry: CarryMode,
+
+    /// Who walks wears an ID card at the chest: test walks are its frames, as the scenario's beacons hear them as access
+    /// points, with their strengths; the survey is by phone, with those strengths.
+    #[arg(long, conflicts_with = "carry")]
+    pub card: bool,
 
     /// List the scenarios.
     #[arg(long, exclusive = true)]

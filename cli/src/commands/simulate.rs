@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use fieldwalk_formats::{FormatError, write_plan};
+use fieldwalk_sim::card::CardModel;
 use fieldwalk_sim::scenario::{Floor, Scenario, Walk};
 use rayon::prelude::*;
 
@@ -55,7 +56,11 @@ fn floor_folder(scenario: &Scenario, floor: &Floor<'_>, dir: &Path) -> PathBuf {
 
 /// The folders with the walks that go into each: those of the floors' surveys, then the test walks.
 fn places(scenario: &Scenario, arguments: &SimulateArguments, dir: &Path) -> Vec<(PathBuf, Vec<Walk>)> {
-    let survey = scenario.survey_walks();
+    let mut survey = scenario.survey_walks();
+    if arguments.card {
+        let silent = CardModel { sends_frames: false, ..CardModel::default() };
+        survey.iter_mut().for_each(|walk| walk.card = Some(silent));
+    }
     let surveys = scenario.floors().map(|floor| {
         let starts_here = |walk: &&Walk| walk.heights_m.first().is_none_or(|&m| m == floor.height_m);
         let walks = survey.iter().filter(starts_here).cloned().collect();
@@ -64,6 +69,7 @@ fn places(scenario: &Scenario, arguments: &SimulateArguments, dir: &Path) -> Vec
     let mut test = scenario.test_walks(arguments.walks, f64::from(arguments.length));
     for walk in &mut test {
         walk.carrying = vec![(0.0, arguments.carry)];
+        walk.card = arguments.card.then(CardModel::default);
     }
     surveys.chain([(dir.join("test"), test)]).collect()
 }

@@ -2,6 +2,7 @@
 
 use crate::front_end::FrontEndRule;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
+use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     StartRule,
@@ -34,14 +35,16 @@ impl Recipe {
                 feature: HistoryFeature::HorizontalVertical,
                 window: 30,
                 reads_a_move: 1,
-                sigma_ut: 15.0,
+                sigma_ut: 17.0,
                 counts_once: false,
             }),
             radio: None,
             beacons: None,
             radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 0.7,
+            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
         }
     }

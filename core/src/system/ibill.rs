@@ -3,7 +3,7 @@
 use crate::beacon_mode::BeaconModeParams;
 use crate::front_end::FrontEndRule;
 use crate::observation::three_factors::ThreeFactorsParams;
-use crate::particle::SpawningParams;
+use crate::particle::{Resampling, SpawningParams};
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, LengthSpread, MagneticRule, MotionParams,
     PlanRule, Recipe, StartRule,
@@ -52,8 +52,10 @@ impl Recipe {
             radio: None,
             beacons: Some(BeaconModeParams::default()),
             radar: None,
+            ble_filter: None,
             replenish: None,
             resample_below: 0.0,
+            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
         }
     }

@@ -3,17 +3,18 @@
 use crate::geometry::{Point2, wrap_rad};
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
+use crate::step::turned_length_m;
 use crate::system::{HeadingRule, LengthRule};
 use crate::tracker::Tracker;
 
 impl Tracker {
-    /// Adds a step to what the steps alone say, whatever is made of it.
+    /// Remembers how far the body turned since the step before, and where the steps alone have led, whatever is made of it.
     pub(super) fn reckon(&mut self, event: &StepEvent) {
         let heading_rad = f64::from(event.level_heading_rad);
-        let last_heading_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
-        // What turns the device between two steps turns the walker.
-        self.scratch.turned_rad =
-            last_heading_rad.map_or(0.0, |last_rad| wrap_rad(heading_rad - f64::from(last_rad)).abs());
+        let last_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
+        // Before the first step of a walk the body turns as it likes.
+        let last_rad = last_rad.filter(|_| !event.cycle.is_first);
+        self.state.turn_rad = last_rad.map_or(0.0, |last| wrap_rad(heading_rad - f64::from(last)) as f32);
         let step_m = f64::from(event.n_steps) * f64::from(self.recipe.length.advance_m(&event.cycle));
         self.state.walked = self.state.walked + Point2::from_polar(step_m, heading_rad);
     }
@@ -24,11 +25,13 @@ impl Tracker {
         let motion = self.recipe.motion;
         let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
         let (azimuth_sin, azimuth_cos) = libm::sincosf(azimuth_rad);
+        let turned = turned_length_m(1.0, self.state.turn_rad);
         let (raw_sin, raw_cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
         let n_steps = f32::from(event.n_steps);
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
+        let turn_rad = self.state.turn_rad.abs();
         let is_weighed = !self.state.is_start_unknown;
         for i in 0..n {
             let bits = draw(self.seed, self.state.n_steps, i as u32, Purpose::Motion);
@@ -41,9 +44,10 @@ impl Tracker {
                 LengthRule::Genetic { a_walk_sd_m, b_walk_sd_m, step_sd_m, .. } => {
                     particles.gene_a_m[i] += a_walk_sd_m * noise[2];
                     particles.gene_b_m[i] += b_walk_sd_m * noise[3];
-                    particles.gene_a_m[i] * event.cycle.frequency_hz
+                    let length_m = particles.gene_a_m[i] * event.cycle.frequency_hz
                         + particles.gene_b_m[i]
-                        + step_sd_m * noise[1]
+                        + step_sd_m * noise[1];
+                    turned * length_m
                 }
                 LengthRule::Alike { mean_m, round_sd_m } => mean_m + round_sd_m * noise[1],
                 LengthRule::Interval { spread, half_width_sd } => {
@@ -78,7 +82,7 @@ impl Tracker {
                     taken.unwrap_or(raw).into()
                 }
                 HeadingRule::GyroscopeTurns { sd_rad, half_width_sd, from_rad, .. } => {
-                    if self.scratch.turned_rad >= f64::from(from_rad) {
+                    if turn_rad >= from_rad {
                         let z = half_width_sd * (2.0 * uniform(bits[2]) - 1.0);
                         particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
                         particles.heading_offset_rad[i] += sd_rad * z;

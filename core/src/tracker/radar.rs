@@ -1,7 +1,9 @@
-//! Positions by radio fingerprints alone.
+//! What radio fingerprints do: positions by them alone, and a start that they filter.
 
+use crate::observation::ble_filter;
 use crate::observation::radio::RadioObservation;
 use crate::particle::CloudEstimate;
+use crate::pedestrian::StepEvent;
 use crate::time::Timestamp;
 use crate::tracker::Tracker;
 
@@ -24,6 +26,19 @@ impl Tracker {
         self.state.estimate = estimate;
         self.state.matched_at = Some(now);
         true
+    }
+
+    /// During the first seconds after a start, lets particles die that stay far from the matched fingerprint.
+    pub(super) fn filter_start(&mut self, event: &StepEvent, radio: &[RadioObservation]) {
+        let Some(params) = &self.recipe.ble_filter else { return };
+        let first = *self.state.first_round.get_or_insert(event.cycle.end);
+        if event.cycle.end.secs_since(first) >= params.duration_s {
+            return;
+        }
+        let fingerprints = &self.floor.map().fingerprints;
+        if let Some(found) = self.scratch.matcher.nearest(&params.fingerprint, fingerprints, radio) {
+            ble_filter::update(params, found.place, &mut self.state.particles);
+        }
     }
 
     /// For a recipe that rests on radio alone, when it last knew a place by it.

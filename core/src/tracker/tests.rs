@@ -33,6 +33,25 @@ fn step(k: u32) -> StepEvent {
 }
 
 #[test]
+fn a_turn_shortens_the_step_that_it_falls_in() {
+    let lengths_m = |turn_rad: f32, is_first: bool| {
+        let mut tracker = Tracker::new(Recipe::mass_centered(), Arc::new(slope()), 1);
+        tracker.place(Point2::new(20.0, 10.0), 2.0);
+        tracker.step(&step(0), &[]);
+        let mut turned = step(1);
+        turned.level_heading_rad += turn_rad;
+        turned.cycle.is_first = is_first;
+        tracker.step(&turned, &[]);
+        tracker.step_length_m()
+    };
+    // Equation 14: sin((π − π/2)/2) = sin 45°.
+    assert!(
+        (lengths_m(core::f32::consts::FRAC_PI_2, false) / lengths_m(0.0, false) - 0.5f64.sqrt()).abs() < 1e-4
+    );
+    assert_eq!(lengths_m(core::f32::consts::FRAC_PI_2, true), lengths_m(0.0, true));
+}
+
+#[test]
 fn mass_centred_weights_last_until_particles_are_resampled() {
     let recipe = Recipe { n_particles: 60, resample_below: 0.0, ..Recipe::mass_centered() };
     let MagneticRule::MassCentered(params) = recipe.magnetic else { panic!("another weight") };

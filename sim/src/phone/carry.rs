@@ -42,10 +42,15 @@ pub enum CarryMode {
     Shaken,
     /// On a table where the owner stood when it was put down.
     OnTable,
+    /// An ID card on a strap before the chest, upright, its back ahead.
+    OnStrap {
+        /// Height over the floor, in centimetres.
+        height_cm: u16,
+    },
 }
 
 impl CarryMode {
-    /// All of them.
+    /// All ways to carry a phone; a card's is none.
     pub const ALL: [Self; 10] = [
         Self::HeldLevel,
         Self::HeldUpright,
@@ -142,6 +147,12 @@ impl Grip {
                 (add(shoulder, rotate(arm, [0.0, 0.05, -0.4 * height_m])), compose(arm, in_hand))
             }
             CarryMode::OnTable => return ([0.3, 0.5, 0.75], about(UP, self.table_turn_rad)),
+            CarryMode::OnStrap { height_cm } => {
+                // It twists on its strap and leans on the chest, top to the back.
+                let twisted = about(UP, 0.1 * swing(2));
+                let upright = about(RIGHT, FRAC_PI_2 + 0.1);
+                ([0.0, 0.14, 0.01 * f64::from(height_cm)], compose(twisted, upright))
+            }
         };
         // An ear turns with the head at every stride, but tilts no more than a hand.
         let turning = if mode == CarryMode::AtEar { 2.0 } else { 1.0 };
@@ -180,6 +191,7 @@ impl Grip {
             CarryMode::BackPocket => own_leg(1.8, 1.0),
             CarryMode::AtEar => 0.6,
             CarryMode::OnTable => 0.0,
+            CarryMode::OnStrap { .. } => 1.0,
             _ => self.hold.response(JOLT_HZ).0,
         }
     }

@@ -225,7 +225,7 @@ impl PhoneModel {
 }
 
 /// One sensor at work.
-struct Sensor {
+pub(crate) struct Sensor {
     model: SensorModel,
     scale: [f64; 3],
     bias: [f64; 3],
@@ -234,7 +234,7 @@ struct Sensor {
 }
 
 impl Sensor {
-    fn new(model: &SensorModel, name: &str, device: u64, seed: u64) -> Self {
+    pub(crate) fn new(model: &SensorModel, name: &str, device: u64, seed: u64) -> Self {
         let mut of_device = Noise::new(device, name, 0);
         let mut noise = Noise::new(seed, name, 1);
         Self {
@@ -247,13 +247,13 @@ impl Sensor {
     }
 
     /// Lets the bias drift for `dt_s`: a first-order Gauss–Markov process.
-    fn drift(&mut self, dt_s: f64) {
+    pub(crate) fn drift(&mut self, dt_s: f64) {
         let forget = (dt_s / self.model.drift_tau_s).min(1.0);
         let kick = self.noise.normal3(self.model.drift_sd * (2.0 * forget).sqrt());
         self.drift = [0, 1, 2].map(|c| self.drift[c] * (1.0 - forget) + kick[c]);
     }
 
-    fn read(&mut self, truth: [f64; 3]) -> [f32; 3] {
+    pub(crate) fn read(&mut self, truth: [f64; 3]) -> [f32; 3] {
         let noise = self.noise.normal3(self.model.noise_sd);
         let off = add(add(self.bias, self.drift), noise);
         [0, 1, 2].map(|c| {

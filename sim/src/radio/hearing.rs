@@ -113,7 +113,7 @@ impl RadioModel {
 }
 
 /// How far the body stands between: 0 when it faces the transmitter, 1 when its back is turned.
-fn shadow_of_body(carried: &Carried, transmitter: &Transmitter, time_s: f64) -> f64 {
+pub(crate) fn shadow_of_body(carried: &Carried, transmitter: &Transmitter, time_s: f64) -> f64 {
     if carried.mode(time_s) == CarryMode::OnTable {
         return 0.0;
     }

@@ -4,6 +4,7 @@ use fieldwalk::geometry::Point2;
 use fieldwalk::survey::Waypoint;
 use fieldwalk::time::Duration;
 
+use crate::card::CardModel;
 use crate::noise::Noise;
 use crate::phone::{CarryMode, PhoneModel};
 use crate::radio::RadioModel;
@@ -35,8 +36,11 @@ pub struct Walk {
     pub carrying: Vec<(f64, CarryMode)>,
     /// The make of the phone.
     pub phone: PhoneModel,
-    /// Its radio.
+    /// Its radio; silent where there is a card.
     pub radio: RadioModel,
+    /// A card at the chest, heard by the scenario's beacons as access points; one that sends frames is carried instead of
+    /// the phone.
+    pub card: Option<CardModel>,
     /// Which copy of that make: its biases and iron.
     pub device: u64,
     /// What is by chance in this walk.
@@ -56,6 +60,7 @@ impl Walk {
             carrying: vec![(0.0, CarryMode::HeldLevel)],
             phone: PhoneModel::default(),
             radio: RadioModel::default(),
+            card: None,
             device: seed,
             seed,
         }

@@ -30,17 +30,21 @@ pub struct StrideCounter {
 
 impl Default for StrideCounter {
     fn default() -> Self {
-        let params = PedestrianParams::default();
-        Self {
-            pedestrian: Pedestrian::new(params),
-            upward_m_s2: params.attitude.upward_g * STANDARD_GRAVITY_M_S2,
-            last_end: None,
-            counts: EventCounts::default(),
-        }
+        Self::new(PedestrianParams::default().attitude.upward_g)
     }
 }
 
 impl StrideCounter {
+    /// A counter that takes the screen to face up when the force out of it is greater than `upward_g`, in units of g.
+    pub fn new(upward_g: f32) -> Self {
+        Self {
+            pedestrian: Pedestrian::new(PedestrianParams::default()),
+            upward_m_s2: upward_g * STANDARD_GRAVITY_M_S2,
+            last_end: None,
+            counts: EventCounts::default(),
+        }
+    }
+
     /// Takes in a sample, in order of time; an implausible one changes nothing.
     pub fn push(&mut self, sample: &Sample) {
         if !sample.is_plausible() || self.pedestrian.push(sample).is_none() {

@@ -9,6 +9,14 @@ object Walk {
     val mapFolder = File(folder, "map")
     val records = records("walk")
     val samples = records.filter { it.kind != "waypoint" }
+    val waypoints = records.filter { it.kind == "waypoint" }
+    val start = waypoints.first()
+
+    /** The walk as a log of text. */
+    val log = File(folder, "walk.txt")
+
+    /** The floor's plan in GeoJSON. */
+    val plan = File(folder, "plan.geojson").readBytes()
 
     /** What `fieldwalk replay --bits` says of the walk. */
     val digest = File(folder, "walk.bits").readText().substringBefore(' ')
