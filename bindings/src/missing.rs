@@ -32,6 +32,8 @@ pub enum MissingInput {
     Magnetometer,
     /// Anything that the map's transmitters send, for more than 30 seconds or ever.
     Radio,
+    /// Frames of a card that was heard before, for more than five seconds.
+    CardFrames,
 }
 
 /// When each kind of sample came last.
@@ -42,6 +44,7 @@ pub(crate) struct InputWatch {
     rate: Option<Timestamp>,
     field: Option<Timestamp>,
     radio: Option<Timestamp>,
+    card: Option<Timestamp>,
     /// Mean time between samples of specific force, in seconds, and how many it rests on.
     force_interval_s: f64,
     n_intervals: u32,
@@ -78,6 +81,7 @@ impl InputWatch {
             Reading::AngularRate(_) => self.rate = time,
             Reading::MagneticField(_) | Reading::UncalibratedMagneticField { .. } => self.field = time,
             Reading::Radio(_) => self.radio = time,
+            Reading::CardFrame(_) => self.card = time,
             _ => {}
         }
     }
@@ -93,6 +97,13 @@ impl InputWatch {
         let is_silent = |last: Option<Timestamp>, after_s: f64| {
             last.is_none_or(|last| newest.secs_since(last).abs() > after_s)
         };
+        // Where a card is worn its own sensors count.
+        if self.card.is_some() {
+            if is_silent(self.card, SILENT_S) {
+                add(MissingInput::CardFrames);
+            }
+            return missing;
+        }
         if is_silent(self.force, SILENT_S) {
             add(MissingInput::Accelerometer);
         } else if self.n_intervals == N_RATE && self.force_interval_s * MIN_FORCE_HZ > 1.0 {
@@ -142,6 +153,10 @@ impl Missing {
                 "no radio was heard: a start takes longer without a hint",
                 "have Bluetooth and location switched on, and the permission to scan",
             ),
+            MissingInput::CardFrames => (
+                "the card has fallen silent",
+                "scan without pause, and see whether the card is near and its battery good",
+            ),
         };
         Self { what, explanation: explanation.into(), remedy: remedy.into() }
     }
@@ -173,6 +188,15 @@ mod tests {
         assert_eq!(whats(&watch, true), [Radio]);
         push(&mut watch, 5_001, Reading::AngularRate([0.0; 3]));
         assert_eq!(whats(&watch, false), [Accelerometer]);
+    }
+
+    #[test]
+    fn of_a_card_nothing_is_missing_but_its_frames() {
+        let mut watch = InputWatch::default();
+        push(&mut watch, 0, Reading::CardFrame([0; 31]));
+        assert_eq!(whats(&watch, true), []);
+        push(&mut watch, 5_001, Reading::MagneticField([20.0, 0.0, -40.0]));
+        assert_eq!(whats(&watch, true), [MissingInput::CardFrames]);
     }
 
     #[test]

@@ -1,4 +1,5 @@
 //! The calibrator and the decoders against what is known beforehand.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use fieldwalk::rotation::Quaternion;
 use fieldwalk::sensor::{Reading, Sample};

@@ -6,6 +6,7 @@
 
 mod card;
 mod extrema;
+mod fixed_array;
 mod fixed_rate;
 mod length;
 mod length_scale;

@@ -76,7 +76,7 @@ class SameBits(unittest.TestCase):
 
     def test_a_batch_unpacked_is_what_was_packed(self):
         arrays = fieldwalk.unpack((FOLDER / "kinds.batch").read_bytes())
-        self.assertEqual(len(arrays), 8)
+        self.assertEqual(len(arrays), 9)
         self.assertEqual(arrays["pressure"]["pressure_hpa"].tolist(), [1013.25])
         self.assertEqual(arrays["specific_force"]["time_ns"].tolist(), [-(2**63)])
         self.assertEqual(arrays["ibeacon_sighting"]["minor"].tolist(), [0x8001])

@@ -29,7 +29,7 @@ class Record:
 
     def add_to(self, batch):
         def value(k, field):
-            if self.kind.endswith("_sighting") and k > 0:
+            if self.kind == "card_frame" or (self.kind.endswith("_sighting") and k > 0):
                 return bytes.fromhex(field) if len(field) > 5 else int(field)
             return struct.unpack(">f", bytes.fromhex(field))[0]
 

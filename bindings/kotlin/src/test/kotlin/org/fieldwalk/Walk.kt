@@ -45,6 +45,7 @@ class Record(private val fields: List<String>) {
         "ble_sighting" -> batch.bleSighting(timeNs, float(2), bytes(3))
         "ibeacon_sighting" -> batch.ibeaconSighting(timeNs, float(2), bytes(3), fields[4].toInt(), fields[5].toInt())
         "wifi_sighting" -> batch.wifiSighting(timeNs, float(2), bytes(3))
+        "card_frame" -> batch.cardFrame(timeNs, bytes(2))
         else -> error("a record called $kind")
     }
 
