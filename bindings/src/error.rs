@@ -1,8 +1,8 @@
 //! The one error of the boundary.
 
-use fieldwalk::positioner::PositionError;
-use fieldwalk_batch::BatchError;
-use fieldwalk_formats::FormatError;
+mod conversions;
+
+use std::sync::{Mutex, MutexGuard};
 
 /// Why a call was refused; the object is unchanged then.
 ///
@@ -131,6 +131,134 @@ pub enum ApiError {
         /// What to do about it.
         remedy: String,
     },
+    /// The recording does not exist.
+    #[error("{explanation} ({remedy})")]
+    RecordingNotFound {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The operating system refused to read the recording.
+    #[error("{explanation} ({remedy})")]
+    RecordingUnreadable {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// A file is not a recording, or holds what cannot be used.
+    #[error("{explanation} ({remedy})")]
+    RecordingMalformed {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The recording has changed since it was written, so that its rest cannot be found.
+    #[error("{explanation} ({remedy})")]
+    RecordingCorrupt {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The recording was written by a newer version of Fieldwalk.
+    #[error("{explanation} ({remedy})")]
+    RecordingTooNew {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// There is a file already where a new one was to be written.
+    #[error("{explanation} ({remedy})")]
+    FileExists {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The operating system refused to write.
+    #[error("{explanation} ({remedy})")]
+    FileUnwritable {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// There is no room left on the device.
+    #[error("{explanation} ({remedy})")]
+    StorageFull {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The floor plan cannot be read, or no map can be made of it.
+    #[error("{explanation} ({remedy})")]
+    PlanMalformed {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The waypoint is not a place on the plan, or not after the last one.
+    #[error("{explanation} ({remedy})")]
+    BadWaypoint {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The call does not fit what went before, such as samples without a walk.
+    #[error("{explanation} ({remedy})")]
+    OutOfTurn {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The recording has been finished; nothing can be added to it.
+    #[error("{explanation} ({remedy})")]
+    Finished {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// What was walked so far gives no map.
+    #[error("{explanation} ({remedy})")]
+    SurveyIncomplete {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The advertisement is of some other sender: most of those in the air are.
+    #[error("{explanation} ({remedy})")]
+    AdvertisementForeign {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The advertisement is torn or contradicts itself.
+    #[error("{explanation} ({remedy})")]
+    AdvertisementMalformed {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// The advertisement is of a card that a newer version of Fieldwalk reads.
+    #[error("{explanation} ({remedy})")]
+    AdvertisementTooNew {
+        /// What is wrong.
+        explanation: String,
+        /// What to do about it.
+        remedy: String,
+    },
     /// An earlier call on this object failed in the middle: a fault of Fieldwalk itself.
     #[error("{explanation} ({remedy})")]
     Broken {
@@ -160,71 +288,30 @@ impl ApiError {
     }
 }
 
-impl From<FormatError> for ApiError {
-    /// The message of a [`FormatError`] may name paths, floors and transmitters; only its kind and remedy pass.
-    fn from(error: FormatError) -> Self {
-        let remedy = |otherwise: &str| {
-            if error.remedy().is_empty() { otherwise.to_owned() } else { error.remedy().to_owned() }
-        };
-        if error.is_not_found() {
-            api_error!(MapNotFound, "a file or folder of the map does not exist", remedy("check the path"))
-        } else if error.is_io() {
-            api_error!(
-                MapUnreadable,
-                "the operating system refused to read the map",
-                remedy("check that the app may read it")
-            )
-        } else if error.is_newer_version() {
-            api_error!(MapTooNew, "the map is of a newer version", remedy("update Fieldwalk"))
-        } else if error.is_corrupt() {
-            api_error!(MapCorrupt, "the map has changed since it was written", remedy("copy it again"))
-        } else {
-            api_error!(MapMalformed, "not a map", remedy("give a map that Fieldwalk exported"))
-        }
-    }
+/// The state behind `mutex`, for one call.
+///
+/// # Errors
+/// [`ApiError::Broken`] when a call has panicked while it had the state.
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> Result<MutexGuard<'_, T>, ApiError> {
+    mutex.lock().map_err(|_poisoned| ApiError::broken())
 }
 
-impl From<PositionError> for ApiError {
-    fn from(error: PositionError) -> Self {
-        match error {
-            PositionError::WrongFloor { .. } => api_error!(
-                WrongFloor,
-                "the hint is on another floor than this positioner",
-                "make a positioner for the hint's floor"
-            ),
-            PositionError::BadHint => api_error!(
-                BadHint,
-                "the hint is not a place on this plan",
-                "check that its point is in metres in the floor's frame, and its radius from 0.1 to 1000 m"
-            ),
-            PositionError::TimeInPast { .. } => api_error!(
-                TimeInPast,
-                "the time is before the last consumed sample",
-                "ask for now or later, on the clock of the samples"
-            ),
-            PositionError::ForeignSnapshot => api_error!(
-                SnapshotForeign,
-                "the snapshot is of another system, seed or floor",
-                "restore it into a positioner with those"
-            ),
-            // `NoFix` is no error at the boundary: a fix is absent.
-            _ => ApiError::broken(),
-        }
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl From<BatchError> for ApiError {
-    fn from(error: BatchError) -> Self {
-        match error {
-            BatchError::Torn => api_error!(
-                BatchTorn,
-                "the batch is not as long as its header says",
-                "pass all of its bytes and no more"
-            ),
-            BatchError::NewerVersion { .. } => {
-                api_error!(BatchTooNew, "the batch is of a newer version", "update Fieldwalk")
-            }
-            _ => api_error!(BatchMalformed, "not a sample batch", "make it with SampleBatch"),
-        }
+    #[test]
+    fn state_that_a_panic_left_in_doubt_is_an_error_and_no_other_panic() {
+        let state = Mutex::new(1);
+        assert_eq!(locked(&state).map(|state| *state), Ok(1));
+        let panicked = std::thread::scope(|scope| {
+            let in_the_middle = scope.spawn(|| {
+                let _state = locked(&state);
+                panic!("in the middle of a call");
+            });
+            in_the_middle.join().is_err()
+        });
+        assert!(panicked);
+        assert_eq!(locked(&state).map(|state| *state), Err(ApiError::broken()));
     }
 }

@@ -22,17 +22,37 @@
 #![deny(missing_docs)]
 
 mod building_map;
+mod calibrator;
+mod card;
 mod error;
 mod fix;
+mod floor_drawing;
+mod ibeacons;
+mod missing;
 mod positioner;
+mod recorder;
+mod recording_reader;
+mod samples;
 mod snapshot;
 mod status;
+mod surveyed_floor;
+mod surveyor;
 
 pub use building_map::{BuildingMap, FloorInfo};
+pub use calibrator::{
+    CalibrationQuality, MagnetometerCalibration, MagnetometerCalibrator, SwingFault, SwingVerdict, Vector3,
+};
+pub use card::{CardDecoder, CardRound, Ibeacon, decode_ibeacon, decode_ibeacon_manufacturer_data};
 pub use error::ApiError;
 pub use fix::{Attitude, CarryMode, Fix, FixMode, LatitudeLongitude, Point2, PositionHint};
+pub use floor_drawing::{DrawnUnit, FloorDrawing};
+pub use missing::{Missing, MissingInput};
 pub use positioner::{Positioner, PositionerOptions};
+pub use recorder::{Recorder, RecorderStatus, RecordingDetails, Waypoint};
+pub use recording_reader::{RecordingLosses, RecordingPart, RecordingReader};
 pub use status::{BatchFaults, Rejections, Status};
+pub use surveyed_floor::{CoverageTotals, ExpectedAccuracy, ScoredPlace, SurveyedFloor};
+pub use surveyor::{SurveyCoverage, SurveyStatus, Surveyor, WalkReport};
 
 uniffi::setup_scaffolding!();
 

@@ -1,5 +1,6 @@
 //! The positioner, behind a lock.
 
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fieldwalk::positioner as core;
@@ -8,8 +9,10 @@ use fieldwalk::time::Timestamp;
 use fieldwalk_batch::SampleBatch;
 
 use crate::building_map::BuildingMap;
-use crate::error::{ApiError, api_error};
+use crate::error::{ApiError, api_error, locked};
 use crate::fix::{Fix, PositionHint};
+use crate::missing::{InputWatch, Missing, MissingInput};
+use crate::samples::take_each;
 use crate::snapshot::Remembered;
 use crate::status::{BatchFaults, Status};
 
@@ -36,12 +39,15 @@ impl Default for PositionerOptions {
 #[derive(Debug, uniffi::Object)]
 pub struct Positioner {
     state: Mutex<State>,
+    /// Whether the system and the map have any use for radio.
+    uses_radio: bool,
 }
 
 #[derive(Debug)]
 struct State {
     positioner: core::Positioner,
     batch_faults: BatchFaults,
+    watch: InputWatch,
 }
 
 #[uniffi::export]
@@ -60,9 +66,12 @@ impl Positioner {
                 format!("give one of {}", Recipe::NAMES.join(", "))
             )
         })?;
-        let positioner = core::Positioner::new(map.floor(floor)?, recipe, seed);
-        let state = State { positioner, batch_faults: BatchFaults::default() };
-        Ok(Arc::new(Self { state: Mutex::new(state) }))
+        let floor = map.floor(floor)?;
+        let uses_radio = recipe.radio.is_some() && !floor.map().transmitters.is_empty();
+        let positioner = core::Positioner::new(floor, recipe, seed);
+        let (batch_faults, watch) = (BatchFaults::default(), InputWatch::default());
+        let state = Mutex::new(State { positioner, batch_faults, watch });
+        Ok(Arc::new(Self { state, uses_radio }))
     }
 
     /// Starts, or starts anew, from a place that somebody knows.
@@ -83,14 +92,13 @@ impl Positioner {
     pub fn push_samples(&self, batch: &[u8]) -> Result<Vec<Fix>, ApiError> {
         let batch = SampleBatch::new(batch)?;
         let mut state = self.lock()?;
-        let State { positioner, batch_faults } = &mut *state;
+        let State { positioner, batch_faults, watch } = &mut *state;
         let mut fixes = Vec::new();
-        for sample in batch.samples() {
-            match sample {
-                Ok(sample) => fixes.extend(positioner.push(sample).map(Fix::from)),
-                Err(fault) => batch_faults.count(fault),
-            }
-        }
+        let Ok(()) = take_each::<Infallible>(&batch, batch_faults, |sample| {
+            watch.note(&sample);
+            fixes.extend(positioner.push(sample).map(Fix::from));
+            Ok(())
+        });
         Ok(fixes)
     }
 
@@ -148,21 +156,26 @@ impl Positioner {
         Ok(())
     }
 
-    /// What was left out so far, and why.
+    /// What is missing now and how to mend it; what was left out so far, and why.
     pub fn status(&self) -> Status {
         // Counts are whole numbers at any time, even where a call has failed in the middle.
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut missing = state.watch.missing(self.uses_radio);
+        if state.positioner.fix().is_none() {
+            missing.insert(0, Missing::of(MissingInput::Start));
+        }
         Status {
             rejections: state.positioner.rejections().into(),
             batch_faults: state.batch_faults,
             n_recoveries: state.positioner.n_recoveries(),
+            missing,
         }
     }
 }
 
 impl Positioner {
     fn lock(&self) -> Result<MutexGuard<'_, State>, ApiError> {
-        self.state.lock().map_err(|_poisoned| ApiError::broken())
+        locked(&self.state)
     }
 }
 
@@ -199,7 +212,8 @@ mod tests {
         assert!(matches!(positioner.fix(), Err(ApiError::Broken { .. })));
         assert!(matches!(positioner.push_samples(&empty_batch()), Err(ApiError::Broken { .. })));
         assert!(matches!(positioner.hint(hint()), Err(ApiError::Broken { .. })));
-        assert_eq!(positioner.status(), Status::default());
+        let status = positioner.status();
+        assert_eq!((status.rejections, status.batch_faults), Default::default());
         positioner.restore(&snapshot).unwrap();
         assert_eq!(positioner.fix().unwrap(), before);
     }

@@ -1,9 +1,11 @@
-//! What a positioner has left out, and why.
+//! What a positioner lacks, what it has left out, and why.
 
 use fieldwalk_batch::RecordFault;
 
+use crate::missing::Missing;
+
 /// How a positioner fares.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, uniffi::Record)]
 pub struct Status {
     /// Samples refused, by cause.
     pub rejections: Rejections,
@@ -11,6 +13,8 @@ pub struct Status {
     pub batch_faults: BatchFaults,
     /// Times that every particle died and the cloud was spread anew.
     pub n_recoveries: u32,
+    /// What is missing now, and how to mend it; empty when all is well.
+    pub missing: Vec<Missing>,
 }
 
 /// Samples refused, by cause.

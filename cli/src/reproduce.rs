@@ -47,6 +47,7 @@ pub mod page;
 mod song;
 pub mod surveyed;
 pub mod test_bed;
+pub mod trace;
 mod wila;
 
 use indicatif::ProgressBar;

@@ -6,6 +6,7 @@ mod synthetic;
 use std::collections::BTreeSet;
 use std::fs;
 
+use fieldwalk::system::Recipe;
 use serde_json::Value;
 use synthetic::{fail, fieldwalk, folder, succeed, text, trace, walk, write_floor};
 
@@ -57,9 +58,9 @@ fn rows_have_the_agreed_keys_and_come_per_floor_system_and_kind_of_point() {
     }
     let names = |key: &str| rows.iter().map(|row| row[key].as_str().unwrap()).collect::<BTreeSet<_>>();
     assert_eq!(names("floor"), BTreeSet::from(["F1", "F2", "all"]));
-    assert_eq!(names("system"), BTreeSet::from(["dead-reckoning", "mass-centered", "fused"]));
+    assert_eq!(names("system"), BTreeSet::from(Recipe::NAMES));
     assert_eq!(names("points"), BTreeSet::from(["midpoint", "waypoint"]));
-    assert_eq!(rows.len(), 3 * 3 * 2);
+    assert_eq!(rows.len(), 3 * Recipe::NAMES.len() * 2);
     // Fold 0 has walks 0, 5 and 11 of F1 and 0 and 5 of F2; each has 6 lines.
     let n = |floor: &str, key: &str| {
         rows.iter().find(|row| row["floor"] == floor).unwrap()[key].as_u64().unwrap()
@@ -160,8 +161,12 @@ fn with_plan_names_the_systems_that_it_changes() {
     let floor = write_floor(&folder("evaluate_plan"), "F1", 8);
     let rows = rows(&[text(&floor), "--seeds", "1", "--with-plan"]);
     let systems: BTreeSet<&str> = rows.iter().map(|row| row["system"].as_str().unwrap()).collect();
-    let changed = ["card+plan", "dead-reckoning+plan", "dtw+plan", "mass-centered+plan"];
-    assert_eq!(systems, BTreeSet::from(["fused", "radar"]).into_iter().chain(changed).collect());
+    let expected = Recipe::NAMES.map(|name| {
+        let recipe = Recipe::named(name).unwrap();
+        if recipe.clone().with_plan() == recipe { name.to_owned() } else { format!("{name}+plan") }
+    });
+    assert_eq!(systems, expected.iter().map(String::as_str).collect());
+    assert!(systems.is_superset(&BTreeSet::from(["dead-reckoning+plan", "fused", "radar"])));
 }
 
 #[test]
@@ -205,7 +210,7 @@ fn walks_without_waypoints_and_floors_without_test_walks_are_said() {
 #[test]
 fn wrong_arguments_exit_with_2() {
     fail(&["evaluate"], 2, &["<DIR>"]);
-    fail(&["evaluate", "F1", "--systems", "fusd"], 2, &["fusd", "dead-reckoning, mass-centered, fused"]);
+    fail(&["evaluate", "F1", "--systems", "fusd"], 2, &["fusd", &Recipe::NAMES.join(", ")]);
     fail(&["evaluate", "F1", "--seeds", "5..1"], 2, &["--seeds", "is empty"]);
     fail(&["evaluate", "F1", "--start", "warm"], 2, &["--start", "known:2"]);
     fail(&["evaluate", "F1", "--layout", "uji"], 2, &["--dataset", "ilc"]);

@@ -29,7 +29,7 @@ fn line(packet: usize, receiver: usize, place: (f64, f64)) -> String {
 /// A room of 10 × 10 m with sixteen fixed points, and a track across it.
 fn write_collection(dir: &Path) {
     let (cnf, set, trk) = (dir.join("cnf"), dir.join("hst/set_1"), dir.join("trk"));
-    [&cnf, &set, &trk].map(|dir| fs::create_dir_all(dir).unwrap());
+    [&cnf, &set, &trk].iter().for_each(|dir| fs::create_dir_all(dir).unwrap());
     let devices: Vec<String> = RECEIVERS
         .iter()
         .enumerate()

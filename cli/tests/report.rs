@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use fieldwalk::system::Recipe;
 use serde_json::Value;
 use synthetic::{fail, folder, succeed, text, trace, walk, write_floor};
 
@@ -51,16 +52,17 @@ fn a_report_plays_the_fixes_that_a_replay_prints() {
     assert_eq!(said, format!("{} plays 2 walks: open it in a browser\n", out.display()));
     let figures = figures(&out);
     assert_eq!((&figures["title"], &figures["n_walks"]), (&"<b>&".into(), &2.into()));
-    assert_eq!(figures["systems"], serde_json::json!(["dead-reckoning", "mass-centered", "fused"]));
+    assert_eq!(figures["systems"], serde_json::json!(Recipe::NAMES));
     assert_eq!(
         (figures["rows"].as_array().unwrap().len(), figures["curves"].as_array().unwrap().len()),
-        (6, 3)
+        (2 * Recipe::NAMES.len(), Recipe::NAMES.len())
     );
-    let mean_m = |k: usize| figures["walks"][k]["errors"][2]["mean_m"].as_f64().unwrap();
+    let fused = Recipe::NAMES.iter().position(|&name| name == "fused").unwrap();
+    let mean_m = |k: usize| figures["walks"][k]["errors"][fused]["mean_m"].as_f64().unwrap();
     assert!(mean_m(0) >= mean_m(1), "the worst comes first");
 
     let played = figures["walks"].as_array().unwrap().iter().find(|walk| walk["name"] == "walk-00").unwrap();
-    let track = &played["tracks"][2];
+    let track = &played["tracks"][fused];
     let (times, places) = (unpacked(&track["time"]), unpacked(&track["place"]));
     assert!(times.is_sorted() && places.len() == 2 * times.len());
     let json = succeed(&["replay", text(&map), text(&walks[0]), "--floor", "F1", "--json"]);

@@ -2,9 +2,11 @@
 
 mod estimate;
 mod replenish;
+mod resampling;
 
 pub use estimate::{CloudEstimate, EstimateScratch};
 pub use replenish::{ReplenishParams, ReplenishScratch};
+pub use resampling::{ResampleScratch, Resampling};
 
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +48,19 @@ pub struct Particles {
     /// The last terms of the mass-centred sum, newest first, in blocks of the window's length.
     #[serde(deserialize_with = "null_as_nan")]
     pub delta_errors_ut: Vec<f32>,
+    /// Latest direction of the map's field, horizontal part, clockwise from the floor's y, in radians; NaN where there
+    /// was none.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub field_heading_rad: Vec<f32>,
+    /// Latest angle of the map's field from the upward vertical, in radians; NaN where there was none.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub polar_rad: Vec<f32>,
+    /// The last terms of the mass-centred sum over azimuths, newest first, in blocks of the window's length.
+    #[serde(default)]
+    pub azimuth_errors_rad: Vec<f32>,
+    /// As `azimuth_errors_rad`, over polar angles.
+    #[serde(default)]
+    pub polar_errors_rad: Vec<f32>,
     /// What the map said along the particle's way, in µT: a block of the history's length, plane by plane.
     pub history_ut: Vec<f32>,
     /// What the history added to the log weight at the last round.
@@ -74,6 +89,10 @@ pub(crate) enum Part {
     MassCentered,
     /// The mass-centred weight: as many values a particle as its window has steps.
     MassCenteredWindow,
+    /// The mass-centred weight on the field's direction.
+    FieldDirection,
+    /// The same: as many values a particle as its window has steps.
+    FieldDirectionWindow,
     /// The weight by histories.
     History,
     /// The weight by histories: as many values a particle as its history has.
@@ -100,6 +119,10 @@ macro_rules! arrays {
             bias_variance_ut2: FieldVector,
             strength_ut: MassCentered,
             delta_errors_ut: MassCenteredWindow,
+            field_heading_rad: FieldDirection,
+            polar_rad: FieldDirection,
+            azimuth_errors_rad: FieldDirectionWindow,
+            polar_errors_rad: FieldDirectionWindow,
             history_ut: HistoryWindow,
             history_log_weight: History,
             n_rounds_outside: BleFilter,
@@ -129,20 +152,6 @@ fn null_as<'de, D: serde::Deserializer<'de>>(null: f32, deserializer: D) -> Resu
     }
     let values = Vec::<Option<f32>>::deserialize(deserializer)?;
     Ok(values.into_iter().map(|value| value.unwrap_or(null)).collect())
-}
-
-/// Memory that one step needs and the next does not remember.
-#[derive(Clone, Debug, Default)]
-pub struct ResampleScratch {
-    ancestors: Vec<u32>,
-    gathered: Vec<f32>,
-}
-
-impl ResampleScratch {
-    /// Room for `n` particles with histories of `window` terms.
-    pub fn with_capacity(n: usize, window: usize) -> Self {
-        Self { ancestors: Vec::with_capacity(n), gathered: Vec::with_capacity(n * window.max(1)) }
-    }
 }
 
 impl Particles {
@@ -176,105 +185,26 @@ impl Particles {
             array.copy_within(parent * block..(parent + 1) * block, child * block);
         }
     }
-
-    /// Replaces the particles by a systematic sample of `weights` (not necessarily normalised), offset `u` in [0, 1).
-    ///
-    /// All log weights become 0. Does nothing when the weights sum to zero.
-    pub fn resample_systematic(&mut self, weights: &[f32], u: f32, scratch: &mut ResampleScratch) {
-        let n = self.len();
-        let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-        if n == 0 || weights.len() != n || !(total > 0.0 && total.is_finite()) {
-            return;
-        }
-        let step = total / n as f64;
-        scratch.ancestors.clear();
-        let (mut ancestor, mut reached) = (0, f64::from(weights[0]));
-        for k in 0..n {
-            let target = step * (k as f64 + f64::from(u));
-            while reached < target && ancestor + 1 < n {
-                ancestor += 1;
-                reached += f64::from(weights[ancestor]);
-            }
-            scratch.ancestors.push(ancestor as u32);
-        }
-        for (_, array) in self.arrays_mut() {
-            gather(array, n, scratch);
-        }
-        self.log_weight.fill(0.0);
-    }
-}
-
-fn gather(array: &mut [f32], n: usize, scratch: &mut ResampleScratch) {
-    let block = array.len() / n;
-    match block {
-        0 => return,
-        1 => {
-            scratch.gathered.clear();
-            scratch.gathered.extend(scratch.ancestors.iter().map(|&a| array[a as usize]));
-        }
-        _ => {
-            scratch.gathered.clear();
-            for &a in &scratch.ancestors {
-                scratch.gathered.extend_from_slice(&array[a as usize * block..(a as usize + 1) * block]);
-            }
-        }
-    }
-    array.copy_from_slice(&scratch.gathered);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    fn cloud(n: usize) -> Particles {
-        Particles {
-            x_m: (0..n).map(|i| i as f32).collect(),
-            y_m: vec![0.0; n],
-            delta_errors_ut: (0..3 * n).map(|i| i as f32).collect(),
-            log_weight: vec![-1.0; n],
-            ..Particles::default()
-        }
-    }
-
-    #[test]
-    fn systematic_resampling_by_hand() {
-        let mut particles = cloud(4);
-        let mut scratch = ResampleScratch::with_capacity(4, 3);
-        // Cumulative 0.1, 0.1, 0.6, 1.0 against targets 0.125, 0.375, 0.625, 0.875.
-        particles.resample_systematic(&[0.1, 0.0, 0.5, 0.4], 0.5, &mut scratch);
-        assert_eq!(particles.x_m, [2.0, 2.0, 3.0, 3.0]);
-        assert_eq!(particles.delta_errors_ut[..6], [6.0, 7.0, 8.0, 6.0, 7.0, 8.0]);
-        assert_eq!(particles.log_weight, [0.0; 4]);
-    }
 
     #[test]
     fn a_newcomer_inherits_all() {
-        let mut particles = cloud(3);
-        particles.log_weight = vec![-1.0, -2.0, -3.0];
+        let mut particles = Particles {
+            x_m: vec![0.0, 1.0, 2.0],
+            y_m: vec![0.0; 3],
+            delta_errors_ut: (0u8..9).map(f32::from).collect(),
+            log_weight: vec![-1.0, -2.0, -3.0],
+            ..Particles::default()
+        };
         particles.inherit(0, 2);
         assert_eq!(particles.x_m, [2.0, 1.0, 2.0]);
         assert_eq!(particles.delta_errors_ut, [6.0, 7.0, 8.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
         assert_eq!(particles.log_weight, [-3.0, -2.0, -3.0]);
         particles.inherit(1, 3);
         assert_eq!(particles.x_m[1], 1.0);
-    }
-
-    proptest! {
-        #[test]
-        fn copies_stay_within_one_of_their_share(
-            weights in proptest::collection::vec(0.0f32..1.0, 2..40), u in 0.0f32..1.0,
-        ) {
-            let n = weights.len();
-            let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-            prop_assume!(total > 1e-3);
-            let mut particles = cloud(n);
-            particles.resample_systematic(&weights, u, &mut ResampleScratch::default());
-            for (i, &weight) in weights.iter().enumerate() {
-                let copies = particles.x_m.iter().filter(|&&x| x == i as f32).count() as f64;
-                let share = n as f64 * f64::from(weight) / total;
-                prop_assert!((copies - share).abs() <= 1.0 + 1e-4);
-            }
-        }
     }
 }

@@ -12,8 +12,8 @@ mod track;
 
 use serde::{Deserialize, Serialize};
 
-pub use build::{MAX_NODES, SurveyError, SurveyParams, build_floor};
-pub use coverage::Coverage;
+pub use build::{MAX_NODES, SurveyError, SurveyParams, build_floor, check_extent};
+pub use coverage::{Cover, Coverage, LiveCoverage, OpenFloor};
 pub use kriging::KrigingParams;
 pub use leave_one_out::LeaveOneOut;
 pub use track::{SurveyTrack, TrackStep};
@@ -95,6 +95,11 @@ impl SurveyWalk {
         } else {
             self.waypoints.push(waypoint);
         }
+    }
+
+    /// Takes the last waypoint back: it was tapped in the wrong place.
+    pub fn pop_waypoint(&mut self) -> Option<Waypoint> {
+        self.waypoints.pop()
     }
 
     /// Consumes what still waits for late samples: the walk has ended.

@@ -16,7 +16,7 @@ use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
-use crate::particle::ReplenishParams;
+use crate::particle::{ReplenishParams, Resampling};
 use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
@@ -57,6 +57,9 @@ pub struct Recipe {
     pub replenish: Option<ReplenishParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
+    /// How copies are drawn then.
+    #[serde(default)]
+    pub resampling: Resampling,
     /// How the stated radii follow from the cloud.
     pub accuracy: AccuracyParams,
 }
@@ -123,10 +126,11 @@ pub enum LengthRule {
         /// Standard deviation of one step's length over its mean.
         step_sd: f32,
     },
-    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`.
+    /// Genes: `l = p_a·f + p_b + Λ`, `p ← p + δ`, and steps in a turn shortened by
+    /// [`turned_length_m`](crate::step::turned_length_m).
     ///
     /// # Source
-    /// Mass-centred 2019, Eq. 13; initial genes, δ and Λ are ours (the paper gives none).
+    /// Mass-centred 2019, Eqs. 13 and 14; initial genes, δ and Λ are ours (the paper gives none).
     Genetic {
         /// Mean of `p_a` at the start, metres per Hz.
         a_m: f32,
@@ -267,8 +271,8 @@ impl Recipe {
         }
         let Self { plan, routes, length, motion, .. } = Self::fused();
         match self.front_end {
-            FrontEndRule::Phone => Self { plan, routes, length, motion, ..self },
             FrontEndRule::Card => Self { plan, routes, ..self },
+            _ => Self { plan, routes, length, motion, ..self },
         }
     }
 }

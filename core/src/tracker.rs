@@ -9,10 +9,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::front_end::FrontEndRule;
-use crate::geometry::Point2;
+use crate::geometry::{Point2, wrap_rad};
 use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
 use crate::observation::history::{DeviceHistory, HistoryScratch};
+use crate::observation::mass_centered::Departure;
 use crate::observation::radio::RadioObservation;
 use crate::observation::{field_vector, history, mass_centered, radio};
 use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch};
@@ -36,7 +37,11 @@ pub struct TrackerState {
     n_steps: u32,
     /// Mean length of the latest step over particles, in metres.
     step_length_m: f64,
-    last_end_strength_ut: Option<f32>,
+    /// What the mass-centred weight compares the next step to.
+    last_observed: mass_centered::LastObserved,
+    /// Heading of the latest step's device, and how far it turned since the step before: what Eq. 14 asks for.
+    last_level_heading_rad: Option<f32>,
+    turn_rad: f32,
     /// What the device has read lately, where histories are compared.
     history: DeviceHistory,
     /// Times that every particle died and the cloud was spread anew.
@@ -136,9 +141,9 @@ impl Tracker {
         let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
         let is_scaled = matches!(self.recipe.motion.length, LengthRule::Scaled { .. });
         let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
-        let window = match self.recipe.magnetic {
-            MagneticRule::MassCentered(params) => params.window.max(1),
-            _ => 0,
+        let (window, has_direction) = match self.recipe.magnetic {
+            MagneticRule::MassCentered(params) => (params.window.max(1), params.direction.is_some()),
+            _ => (0, false),
         };
         let (n_values, n_slots) = match self.recipe.magnetic {
             MagneticRule::History(params) => (params.n_values(), params.n_slots()),
@@ -152,6 +157,14 @@ impl Tracker {
             Part::FieldVector => usize::from(matches!(self.recipe.magnetic, MagneticRule::FieldVector(_))),
             Part::MassCentered => usize::from(window > 0),
             Part::MassCenteredWindow => window,
+            Part::FieldDirection => usize::from(has_direction),
+            Part::FieldDirectionWindow => {
+                if has_direction {
+                    window
+                } else {
+                    0
+                }
+            }
             Part::History => usize::from(n_values > 0),
             Part::HistoryWindow => n_values,
             Part::BleFilter => usize::from(self.recipe.ble_filter.is_some()),
@@ -209,6 +222,7 @@ impl Tracker {
             self.orient(event);
         }
         self.state.n_steps = self.state.n_steps.wrapping_add(1);
+        self.note_turn(event);
         self.weigh_alike();
         self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
         self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
@@ -238,6 +252,14 @@ impl Tracker {
     /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
     pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
         self.match_fingerprint(now, radio)
+    }
+
+    /// Remembers how far the body turned since the step before; not at all in the first step of a walk.
+    fn note_turn(&mut self, event: &StepEvent) {
+        let last_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
+        let last_rad = last_rad.filter(|_| !event.cycle.is_first);
+        let turn_rad = last_rad.map_or(0.0, |last| f64::from(event.level_heading_rad) - f64::from(last));
+        self.state.turn_rad = wrap_rad(turn_rad) as f32;
     }
 
     fn apply_plan(&mut self) {
@@ -280,11 +302,18 @@ impl Tracker {
         match &self.recipe.magnetic {
             MagneticRule::Ignore => {}
             MagneticRule::MassCentered(params) => {
-                let last = core::mem::replace(&mut self.state.last_end_strength_ut, event.end_strength_ut);
-                if let (Some(now), Some(last)) = (event.end_strength_ut, last) {
-                    let (particles, weights) = (&mut self.state.particles, &mut self.scratch.weights);
-                    mass_centered::update(params, &self.floor, now - last, particles, weights);
-                }
+                let Scratch { from_x_m, from_y_m, weights, .. } = &mut self.scratch;
+                let departure = Departure { from_x_m, from_y_m, turn_rad: self.state.turn_rad };
+                let TrackerState { last_observed, particles, .. } = &mut self.state;
+                mass_centered::weigh(
+                    params,
+                    &self.floor,
+                    event,
+                    departure,
+                    last_observed,
+                    particles,
+                    weights,
+                );
             }
             MagneticRule::FieldVector(params) => {
                 if event.field_bias_reset {
@@ -367,8 +396,10 @@ impl Tracker {
             .estimate
             .is_some_and(|e| e.effective_sample_size < f64::from(self.recipe.resample_below) * n);
         if is_degenerate || self.recipe.resample_below >= 1.0 {
-            let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
-            self.state.particles.resample_systematic(&self.scratch.weights, u, &mut self.scratch.resample);
+            let (seed, step) = (self.seed, self.state.n_steps);
+            let bits = |k| draw(seed, step, k, Purpose::Resampling)[0];
+            let Scratch { weights, resample, .. } = &mut self.scratch;
+            self.state.particles.resample(self.recipe.resampling, weights, bits, resample);
             if let MagneticRule::History(params) = &self.recipe.magnetic
                 && !params.counts_once
             {
@@ -418,6 +449,26 @@ mod tests {
             field_bias_reset: false,
             attitude: crate::attitude::AttitudeEstimate::default(),
         }
+    }
+
+    #[test]
+    fn a_turn_shortens_the_step_that_it_falls_in() {
+        let lengths_m = |turn_rad: f32, is_first: bool| {
+            let mut tracker = Tracker::new(Recipe::mass_centered(), Arc::new(slope()), 1);
+            tracker.place(Point2::new(20.0, 10.0), 2.0);
+            tracker.step(&step(0), &[]);
+            let mut turned = step(1);
+            turned.level_heading_rad += turn_rad;
+            turned.cycle.is_first = is_first;
+            tracker.step(&turned, &[]);
+            tracker.step_length_m()
+        };
+        // Equation 14: sin((π − π/2)/2) = sin 45°.
+        assert!(
+            (lengths_m(core::f32::consts::FRAC_PI_2, false) / lengths_m(0.0, false) - 0.5f64.sqrt()).abs()
+                < 1e-4
+        );
+        assert_eq!(lengths_m(core::f32::consts::FRAC_PI_2, true), lengths_m(0.0, true));
     }
 
     #[test]

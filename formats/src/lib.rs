@@ -22,5 +22,5 @@ mod transmitter_id;
 
 pub use error::FormatError;
 pub use geojson_plan::{read_plan, write_plan};
-pub use map::{decode_floor, encode_floor, open_building, write_building};
+pub use map::{decode_floor, encode_floor, open_building, pack_building, unpack_building, write_building};
 pub use recording::{Record, open_recording};

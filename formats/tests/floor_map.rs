@@ -7,7 +7,9 @@ use fieldwalk::floor_plan::{FloorPlan, Polygon, Unit};
 use fieldwalk::geometry::{Point2, Segment};
 use fieldwalk::map::{BuildingMap, Fingerprints, FloorMap, GridFrame, Layers, Transmitter};
 use fieldwalk::sensor::TransmitterId;
-use fieldwalk_formats::map::{MANIFEST_FILE, decode_floor, encode_floor, open_building, write_building};
+use fieldwalk_formats::map::{
+    MANIFEST_FILE, decode_floor, encode_floor, open_building, pack_building, unpack_building, write_building,
+};
 use proptest::prelude::*;
 
 /// Every layer filled by `value(layer, node)`.
@@ -392,5 +394,59 @@ fn sign(bytes: &mut [u8]) {
     let digest = sha2::Sha256::digest(&*bytes);
     for (digits, byte) in bytes[at..at + 64].chunks_mut(2).zip(digest) {
         digits.copy_from_slice(format!("{byte:02x}").as_bytes());
+    }
+}
+
+#[test]
+fn a_building_is_one_archive_too_and_any_tar_makes_one() {
+    let floors = vec![small_floor("Ground", 0), small_floor("Up", 1)];
+    let building = BuildingMap { name: "Hall".into(), floors };
+    let packed = pack_building(&building).unwrap();
+    assert_eq!(pack_building(&building).unwrap(), packed);
+    assert_eq!(unpack_building(&packed).unwrap(), building);
+
+    let dir = empty_folder("archive");
+    let (folder, file) = (dir.join("hall.map"), dir.join("hall.tar"));
+    write_building(&folder, &building).unwrap();
+    fs::write(&file, &packed).unwrap();
+    assert_eq!(open_building(&file).unwrap(), building);
+    // As `tar -cf hall.tar hall.map` packs it: with folders, and with files that are none of ours.
+    fs::write(folder.join("notes.txt"), "not a map").unwrap();
+    let mut by_hand = tar::Builder::new(Vec::new());
+    by_hand.append_dir_all("hall.map", &folder).unwrap();
+    assert_eq!(unpack_building(&by_hand.into_inner().unwrap()).unwrap(), building);
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn an_archive_that_is_cut_or_changed_anywhere_is_refused() {
+    let building = BuildingMap { name: "Hall".into(), floors: vec![small_floor("F1", 0)] };
+    let packed = pack_building(&building).unwrap();
+    // Two empty blocks end an archive; tar does without them.
+    for length in (0..packed.len() - 1_024).step_by(97) {
+        assert!(unpack_building(&packed[..length]).is_err(), "{length} bytes");
+    }
+    let content = 512..512 + encode_floor(&building.floors[0]).unwrap().len();
+    for at in content.step_by(53) {
+        let mut changed = packed.clone();
+        changed[at] ^= 0x20;
+        assert!(unpack_building(&changed).is_err(), "byte {at}");
+    }
+    let error = unpack_building(b"PK\x03\x04 and so on").unwrap_err();
+    assert!(error.remedy().contains("tar -cf"), "{error}");
+}
+
+proptest! {
+    #[test]
+    fn no_change_of_an_archive_panics(at in 0usize..4_000, byte: u8, cut in 0usize..8_000) {
+        let building = BuildingMap { name: "Hall".into(), floors: vec![small_floor("F1", 0)] };
+        let mut packed = pack_building(&building).unwrap();
+        packed.truncate(cut);
+        if let Some(b) = packed.get_mut(at) {
+            *b = byte;
+        }
+        if let Ok(read) = unpack_building(&packed) {
+            prop_assert_eq!(read.floors, building.floors);
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! | file | content |
 //! |---|---|
 //! | `map/` | the map, of one floor |
+//! | `plan.geojson` | its plan |
 //! | `walk.txt` | the walk as a log that `fieldwalk replay` reads |
 //! | `walk.samples` | its records in order of time, for encoders: a record a line, fields separated by spaces |
 //! | `walk.batch` | its samples in one batch, by the encoder for Rust |
@@ -43,6 +44,7 @@ fn main() {
     };
     let scenario = Scenario::of_building(office().build(), &SteelParams::default(), SEED);
     let plan = &scenario.building.plan;
+    write("plan.geojson", fieldwalk_formats::write_plan(plan).as_bytes());
     let walks: Vec<SurveyWalk> =
         scenario.survey_walks().iter().map(|walk| scenario.simulate(walk).survey_walk()).collect();
     let floor = build_floor("F1", 0, plan, &walks, &SurveyParams::default()).expect("the survey gives a map");
@@ -147,8 +149,9 @@ fn samples_of_every_kind() -> Vec<Record> {
         radio(TransmitterId::BleAddress([0xff, 0x80, 0x7f, 1, 2, 0])),
         radio(TransmitterId::Ibeacon { uuid, major: u16::MAX, minor: 0x8001 }),
         radio(TransmitterId::WifiBssid([0, 1, 2, 3, 4, 255])),
+        Reading::CardFrame(core::array::from_fn(|k| 0xf0 + k as u8 % 16)),
     ];
-    let times_ns = [i64::MIN, -1, 0, 1, 1_234_567_890_123_456_789, i64::MAX - 1, i64::MAX, 42];
+    let times_ns = [i64::MIN, -1, 0, 1, 1_234_567_890_123_456_789, i64::MAX - 1, i64::MAX, 42, 43];
     let samples = times_ns.into_iter().zip(readings);
     samples.map(|(ns, reading)| Record::Sample(Sample { time: Timestamp::from_nanos(ns), reading })).collect()
 }
@@ -197,6 +200,7 @@ fn fields(record: &Record) -> String {
                 other => panic!("{other:?} has no name"),
             }
         }
+        Reading::CardFrame(frame) => format!("card_frame {}", hex(frame)),
         other => panic!("{other:?} has no name"),
     }
 }

@@ -7,13 +7,16 @@ cargo xtask test [--quick] [--only STAGE]… [--seconds N]   every check, or the
 cargo xtask fuzz [--seconds N]                             every fuzz target, N seconds each (60)
 cargo xtask tidy                                           documents, equation list, files, manifests
 cargo xtask aarch64                                        the same bits on arm64, under qemu
-cargo xtask bindings                                       the library for other languages, its Kotlin sources
-cargo xtask kotlin                                         the same, compiled and tested on the JVM
+cargo xtask bindings                                       the library for other languages, their sources
+cargo xtask kotlin                                         Kotlin's, compiled and tested on the JVM
+cargo xtask swift                                          Swift's, compiled and tested on Linux
+cargo xtask python                                         Python's, as a wheel, installed and tested
 
-stages: install format tidy clippy docs deny test bindings kotlin fuzz aarch64
---quick leaves out install, deny, bindings, kotlin, fuzz and aarch64.
+stages: install format tidy clippy docs deny test bindings kotlin swift python fuzz aarch64
+--quick leaves out install, deny, bindings, kotlin, swift, python, fuzz and aarch64.
 FIELDWALK_DATA=FOLDER       where recordings are; without it the tests that need them are skipped
 FIELDWALK_REQUIRE_DATA=1    a missing recording fails instead
+FIELDWALK_SWIFT_ROOT=FOLDER where Debian's Swift is unpacked, when no Swift is installed; in the cache by default
 ";
 
 /// What to run.
@@ -37,7 +40,7 @@ impl Arguments {
         let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 60 };
         match words.next().as_deref() {
             Some("test") => {}
-            Some(stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin")) => {
+            Some(stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python")) => {
                 arguments.only.push(stage.to_owned())
             }
             None | Some("help" | "--help" | "-h") => return Ok(None),

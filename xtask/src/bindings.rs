@@ -1,30 +1,46 @@
-//! The library for other languages and the sources generated from it.
+//! The library for other languages, the sources generated from it, and the walk that all of them are tested with.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::fs;
 use std::path::PathBuf;
 
-use crate::process::run as execute;
+use crate::process::{output_of, run as execute};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
 
-/// The public declarations that the generated Kotlin must have, no more and no less.
-const KOTLIN_SURFACE: &str = "bindings/kotlin/surface.txt";
-
-/// Generated Kotlin and the library that it calls.
-#[derive(Debug)]
-pub struct Generated {
-    pub kotlin: PathBuf,
-    pub library: PathBuf,
+/// A language for which sources are generated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Language {
+    name: &'static str,
+    /// Its public declarations, no more and no less.
+    surface: &'static str,
+    /// Where in the repository its sources are made, ignored by git; otherwise they are made in the build folder.
+    package: Option<&'static str>,
 }
+
+pub const KOTLIN: Language =
+    Language { name: "kotlin", surface: "bindings/kotlin/surface.txt", package: None };
+pub const PYTHON: Language =
+    Language { name: "python", surface: "bindings/python/surface.txt", package: None };
+/// A Swift package compiles nothing that lies outside of it.
+pub const SWIFT: Language =
+    Language { name: "swift", surface: "ios/surface.txt", package: Some("ios/Sources/Fieldwalk/Generated") };
 
 pub fn run(workspace: &Workspace) -> Outcome {
     let tested =
         execute(&mut workspace.cargo("test --quiet --profile generator --package fieldwalk-bindgen"));
-    let generated = tested.and_then(|()| generate(workspace));
-    if let Ok(Generated { kotlin, library }) = &generated {
-        eprintln!("Kotlin: {}\nlibrary: {}", kotlin.display(), library.display());
+    if let Err(reason) = tested {
+        return Err(reason).into();
     }
-    generated.map(|_| ()).into()
+    let mut failures = Vec::new();
+    for language in [KOTLIN, SWIFT, PYTHON] {
+        match generate(workspace, language) {
+            Ok(sources) => eprintln!("{}: {}", language.name, sources.display()),
+            Err(reason) => failures.push(reason),
+        }
+    }
+    eprintln!("library: {}", library(workspace).display());
+    Outcome::new(failures, Vec::new())
 }
 
 /// Where everything that belongs to bindings is made.
@@ -32,15 +48,38 @@ pub fn folder(workspace: &Workspace) -> PathBuf {
     workspace.target.join("bindings")
 }
 
-/// Builds the library, unstripped since it describes itself in its symbols, and generates from it.
+/// The built library: unstripped, since it describes itself in its symbols.
+pub fn library(workspace: &Workspace) -> PathBuf {
+    workspace.target.join("debug").join(format!("{DLL_PREFIX}fieldwalk_ffi{DLL_SUFFIX}"))
+}
+
+/// Builds the library, generates from it, and gives the folder of the sources.
 ///
 /// # Errors
 /// When something does not build, or when the public surface has changed.
-pub fn generate(workspace: &Workspace) -> Result<Generated, String> {
+pub fn generate(workspace: &Workspace, language: Language) -> Result<PathBuf, String> {
     execute(&mut workspace.cargo("build --quiet --package fieldwalk-ffi --lib"))?;
-    let library = workspace.target.join("debug").join(format!("{DLL_PREFIX}fieldwalk_ffi{DLL_SUFFIX}"));
-    let kotlin = folder(workspace).join("kotlin");
+    let Language { name, surface, package } = language;
+    let sources =
+        package.map_or_else(|| folder(workspace).join(name), |package| workspace.root.join(package));
     let mut generator = workspace.cargo("run --quiet --profile generator --package fieldwalk-bindgen --");
-    execute(generator.arg(&library).arg(&kotlin).arg(KOTLIN_SURFACE))?;
-    Ok(Generated { kotlin, library })
+    generator.arg(name).arg(library(workspace)).arg(&sources).arg(surface);
+    execute(&mut generator)?;
+    Ok(sources)
+}
+
+/// Makes a simulated walk with its digest by `fieldwalk replay`, and gives its folder.
+///
+/// # Errors
+/// When something does not build, run, or get written.
+pub fn walk(workspace: &Workspace) -> Result<PathBuf, String> {
+    let walk = folder(workspace).join("walk");
+    execute(
+        workspace.cargo("run --quiet --package fieldwalk-tests --example walk_for_bindings --").arg(&walk),
+    )?;
+    let mut replay = workspace.cargo("run --quiet --package fieldwalk-cli -- replay --bits");
+    let bits = output_of(replay.arg(walk.join("map")).arg(walk.join("walk.txt")))
+        .ok_or("`fieldwalk replay --bits` failed on the simulated walk")?;
+    fs::write(walk.join("walk.bits"), bits).map_err(|error| format!("{}: {error}", walk.display()))?;
+    Ok(walk)
 }

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::aarch64::{self, TARGET};
-use crate::kotlin;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
+use crate::swift_toolchain;
 use crate::workspace::Workspace;
+use crate::{kotlin, python};
 
 const CARGO_DENY_VERSION: &str = "0.20.2";
 pub const CARGO_DENY_REMEDY: &str = "cargo install --locked cargo-deny";
@@ -64,9 +65,15 @@ const TOOLS: &[Tool] = &[
         packages: &["maven"],
     },
     Tool {
+        name: "debootstrap",
+        purpose: "Debian's Swift, stage swift",
+        is_present: || find_program("debootstrap").is_some() || !swift_toolchain::needs_debootstrap(),
+        packages: &["debootstrap"],
+    },
+    Tool {
         name: "python3 with venv",
-        purpose: "a map read without our code",
-        is_present: || succeeds(Command::new("python3").args(["-c", "import venv, ensurepip"])),
+        purpose: "stage python",
+        is_present: || python::find_python().is_some(),
         packages: &["python3", "python3-venv"],
     },
 ];

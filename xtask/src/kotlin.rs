@@ -1,12 +1,12 @@
 //! The Kotlin bindings on the JVM: compiled with warnings as errors, compared bit for bit with `fieldwalk replay`.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::bindings;
-use crate::process::{find_program, output_of, run as execute, run_into};
+use crate::process::{find_program, run_into};
 use crate::report::Outcome;
 use crate::workspace::Workspace;
+use crate::{bindings, readme_example};
 
 /// How Maven says that it cannot reach a repository; a test that fails says none of these.
 const OFFLINE: [&str; 4] = [
@@ -20,8 +20,8 @@ const OFFLINE: [&str; 4] = [
 const README_HEAD: &str = "import org.fieldwalk.*\n\n@Suppress(\"unused\")\n";
 
 pub fn run(workspace: &Workspace) -> Outcome {
-    let generated = match bindings::generate(workspace) {
-        Ok(generated) => generated,
+    let sources = match bindings::generate(workspace, bindings::KOTLIN) {
+        Ok(sources) => sources,
         Err(reason) => return Err(reason).into(),
     };
     if !has_jdk() {
@@ -31,17 +31,18 @@ pub fn run(workspace: &Workspace) -> Outcome {
         return Outcome::skipped("Maven is missing: apt-get install maven");
     };
     let folder = bindings::folder(workspace);
-    if let Err(reason) = prepare(workspace, &folder) {
-        return Err(reason).into();
-    }
+    let walk = match prepare(workspace, &folder) {
+        Ok(walk) => walk,
+        Err(reason) => return Err(reason).into(),
+    };
     let define = |name: &str, path: &Path| format!("-Dfieldwalk.{name}={}", path.display());
-    let library = generated.library.parent().unwrap_or(&folder);
+    let library = bindings::library(workspace);
     let mut test = workspace.command(maven);
     test.args(["-q", "-B", "-ntp", "-f", "bindings/kotlin/pom.xml"])
         .arg(define("target", &folder))
-        .arg(define("generated", &generated.kotlin))
-        .arg(define("library", library))
-        .arg(define("walk", &folder.join("walk")))
+        .arg(define("generated", &sources))
+        .arg(define("library", library.parent().unwrap_or(&folder)))
+        .arg(define("walk", &walk))
         .arg("test");
     let log = folder.join("maven.log");
     match run_into(&mut test, &log) {
@@ -65,27 +66,8 @@ pub fn has_jdk() -> bool {
     find_program("java").is_some() && find_program("javac").is_some()
 }
 
-/// A simulated walk, its digest by `fieldwalk replay`, and the README's example as a source.
-fn prepare(workspace: &Workspace, folder: &Path) -> Result<(), String> {
-    let walk = folder.join("walk");
-    execute(
-        workspace.cargo("run --quiet --package fieldwalk-tests --example walk_for_bindings --").arg(&walk),
-    )?;
-    let mut replay = workspace.cargo("run --quiet --package fieldwalk-cli -- replay --bits");
-    let bits = output_of(replay.arg(walk.join("map")).arg(walk.join("walk.txt")))
-        .ok_or("`fieldwalk replay --bits` failed on the simulated walk")?;
-    let example = readme_example(&workspace.root)?;
-    let readme = folder.join("readme");
-    fs::create_dir_all(&readme)
-        .and_then(|()| fs::write(walk.join("walk.bits"), bits))
-        .and_then(|()| fs::write(readme.join("Readme.kt"), example))
-        .map_err(|error| format!("{}: {error}", folder.display()))
-}
-
-/// The Kotlin example of README.md as a source.
-fn readme_example(root: &Path) -> Result<String, String> {
-    let text = fs::read_to_string(root.join("README.md")).map_err(|error| format!("README.md: {error}"))?;
-    let example = text.split_once("```kotlin\n").and_then(|(_, rest)| rest.split_once("```"));
-    let (example, _) = example.ok_or("README.md has no example in Kotlin")?;
-    Ok(format!("{README_HEAD}{example}"))
+/// The README's example as a source; gives the folder of the simulated walk.
+fn prepare(workspace: &Workspace, folder: &Path) -> Result<PathBuf, String> {
+    readme_example::write(&workspace.root, "kotlin", README_HEAD, &folder.join("readme/Readme.kt"))?;
+    bindings::walk(workspace)
 }

@@ -7,8 +7,12 @@ mod fuzz;
 mod install;
 mod kotlin;
 mod process;
+mod python;
+mod readme_example;
 mod report;
 mod stages;
+mod swift;
+mod swift_toolchain;
 mod tidy;
 mod workspace;
 

@@ -207,8 +207,20 @@ pub const WIFI_SIGHTING: RecordLayout = RecordLayout {
     ],
 };
 
+/// A card's advertisement.
+pub const CARD_FRAME: RecordLayout = RecordLayout {
+    code: 9,
+    name: "card_frame",
+    purpose: "An ID card's advertisement as a receiver heard it; how strong it was is a radio sighting of the receiver.",
+    fields: &[FieldLayout {
+        name: "frame",
+        encoding: Encoding::Bytes(31),
+        purpose: "The whole advertisement, in the order in which it is sent.",
+    }],
+};
+
 /// Every kind of record, by code.
-pub const RECORDS: [RecordLayout; 8] = [
+pub const RECORDS: [RecordLayout; 9] = [
     SPECIFIC_FORCE,
     ANGULAR_RATE,
     MAGNETIC_FIELD,
@@ -217,6 +229,7 @@ pub const RECORDS: [RecordLayout; 8] = [
     BLE_SIGHTING,
     IBEACON_SIGHTING,
     WIFI_SIGHTING,
+    CARD_FRAME,
 ];
 
 /// The layout as tables in Markdown.

@@ -6,9 +6,9 @@ use fieldwalk::sensor::{RadioSighting, Reading, Sample, TransmitterId};
 use fieldwalk::time::Timestamp;
 
 use crate::layout::{
-    ANGULAR_RATE, BLE_SIGHTING, HEADER_BYTES, IBEACON_SIGHTING, MAGIC, MAGNETIC_FIELD, N_BYTES_AT,
-    N_RECORDS_AT, PRESSURE, RECORD_HEADER_BYTES, RECORDS, SPECIFIC_FORCE, UNCALIBRATED_MAGNETIC_FIELD,
-    VERSION, VERSION_AT, WIFI_SIGHTING,
+    ANGULAR_RATE, BLE_SIGHTING, CARD_FRAME, HEADER_BYTES, IBEACON_SIGHTING, MAGIC, MAGNETIC_FIELD,
+    N_BYTES_AT, N_RECORDS_AT, PRESSURE, RECORD_HEADER_BYTES, RECORDS, SPECIFIC_FORCE,
+    UNCALIBRATED_MAGNETIC_FIELD, VERSION, VERSION_AT, WIFI_SIGHTING,
 };
 
 /// Why a batch is refused whole.
@@ -156,6 +156,7 @@ fn parse(record: &[u8]) -> Result<Sample, RecordFault> {
             let rssi_dbm = fields.f32()?;
             Reading::Radio(RadioSighting { transmitter: TransmitterId::WifiBssid(fields.take()?), rssi_dbm })
         }
+        _ if code == CARD_FRAME.code => Reading::CardFrame(fields.take()?),
         _ => return Err(RecordFault::UnknownKind),
     };
     if fields.rest.is_empty() { Ok(Sample { time, reading }) } else { Err(RecordFault::Malformed) }

@@ -3,9 +3,9 @@
 use fieldwalk::sensor::{Reading, Sample, TransmitterId};
 
 use crate::layout::{
-    ANGULAR_RATE, BLE_SIGHTING, HEADER_BYTES, IBEACON_SIGHTING, MAGIC, MAGNETIC_FIELD, N_BYTES_AT,
-    N_RECORDS_AT, PRESSURE, RecordLayout, SPECIFIC_FORCE, UNCALIBRATED_MAGNETIC_FIELD, VERSION, VERSION_AT,
-    WIFI_SIGHTING,
+    ANGULAR_RATE, BLE_SIGHTING, CARD_FRAME, HEADER_BYTES, IBEACON_SIGHTING, MAGIC, MAGNETIC_FIELD,
+    N_BYTES_AT, N_RECORDS_AT, PRESSURE, RecordLayout, SPECIFIC_FORCE, UNCALIBRATED_MAGNETIC_FIELD, VERSION,
+    VERSION_AT, WIFI_SIGHTING,
 };
 
 /// Packs samples into a batch.
@@ -56,6 +56,7 @@ impl SampleBatchWriter {
                     _ => return false,
                 }
             }
+            Reading::CardFrame(frame) => self.record(&CARD_FRAME, sample, &[], &[frame]),
             _ => return false,
         }
         true

@@ -39,6 +39,7 @@ fn bits(sample: &Sample) -> String {
         }
         Reading::Pressure { pressure_hpa } => format!("pressure {}", words(&[*pressure_hpa])),
         Reading::Radio(r) => format!("radio {:?} {}", r.transmitter, words(&[r.rssi_dbm])),
+        Reading::CardFrame(frame) => format!("card {frame:?}"),
         other => panic!("{other:?}"),
     };
     format!("{} {reading}", sample.time.as_nanos())
@@ -69,6 +70,7 @@ fn any_sample() -> impl Strategy<Value = Sample> {
         (any_vector(), any_vector())
             .prop_map(|(field_ut, bias_ut)| Reading::UncalibratedMagneticField { field_ut, bias_ut }),
         any_f32().prop_map(|pressure_hpa| Reading::Pressure { pressure_hpa }),
+        any::<[u8; 31]>().prop_map(Reading::CardFrame),
         (transmitter, any_f32())
             .prop_map(|(transmitter, rssi_dbm)| Reading::Radio(RadioSighting { transmitter, rssi_dbm })),
     ];

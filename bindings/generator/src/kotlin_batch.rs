@@ -4,6 +4,8 @@ use fieldwalk_batch::layout::{
     Encoding, HEADER_BYTES, MAGIC, N_BYTES_AT, N_RECORDS_AT, RECORDS, RecordLayout, VERSION, VERSION_AT,
 };
 
+use crate::wording::{camel_case, in_a_list};
+
 /// The source of `SampleBatch.kt`.
 pub fn source() -> String {
     let magic = u32::from_le_bytes(MAGIC);
@@ -116,25 +118,6 @@ fn method(record: &RecordLayout) -> String {
     )
 }
 
-/// `specific_force` is `specificForce`, as in the names that UniFFI gives.
-fn camel_case(name: &str) -> String {
-    let mut words = name.split('_');
-    let mut text = words.next().unwrap_or_default().to_owned();
-    for word in words {
-        let mut letters = word.chars();
-        text.extend(letters.next().map(|first| first.to_ascii_uppercase()));
-        text += letters.as_str();
-    }
-    text
-}
-
-/// A sentence as KDoc lists it: without its capital letter and stop.
-fn in_a_list(sentence: &str) -> String {
-    let text = sentence.trim_end_matches('.');
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_lowercase().to_string() + letters.as_str())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,7 +143,6 @@ mod tests {
 
     #[test]
     fn the_name_of_every_record_is_a_method() {
-        assert_eq!(camel_case("uncalibrated_magnetic_field"), "uncalibratedMagneticField");
         let source = source();
         for record in &RECORDS {
             assert!(source.contains(&format!("fun {}(", camel_case(record.name))), "{}", record.name);

@@ -1,27 +1,84 @@
 //! Generates the foreign side of the bindings from the built library and from the batch's layout.
 //!
-//! `fieldwalk-bindgen LIBRARY FOLDER SURFACE`: `LIBRARY` is the unstripped shared library, generated sources go under
-//! `FOLDER`, and the public declarations found there must be those of the file `SURFACE`.
+//! `fieldwalk-bindgen LANGUAGE LIBRARY FOLDER SURFACE`: `LANGUAGE` is `kotlin`, `python` or `swift`, `LIBRARY` the
+//! unstripped shared library; generated sources go under `FOLDER`, and the public declarations found there must be those
+//! of the file `SURFACE`.
 #![forbid(unsafe_code)]
 
 mod kotlin_batch;
 mod kotlin_surface;
+mod python_batch;
+mod python_surface;
+mod surface;
+mod swift_batch;
+mod swift_surface;
+mod wording;
 
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
+use uniffi::TargetLanguage;
 
-const UPDATE: &str = "FIELDWALK_UPDATE_GOLDEN";
+/// What differs from language to language.
+struct Language {
+    name: &'static str,
+    target: TargetLanguage,
+    /// The folder in which sources stand.
+    package: &'static str,
+    /// The encoder's file and source.
+    encoder: (&'static str, fn() -> String),
+    declarations: fn(&str) -> Vec<String>,
+    /// Where the sources begin that apps see together, from the folder of the generated ones.
+    seen_with: &'static str,
+    /// A file that belongs elsewhere: what it is called, and where it belongs, from the folder.
+    moved: Option<(&'static str, &'static str)>,
+}
+
+const LANGUAGES: &[Language] = &[
+    Language {
+        name: "kotlin",
+        target: TargetLanguage::Kotlin,
+        package: "org/fieldwalk",
+        encoder: ("SampleBatch.kt", kotlin_batch::source),
+        declarations: kotlin_surface::declarations,
+        seen_with: "",
+        moved: None,
+    },
+    Language {
+        name: "python",
+        target: TargetLanguage::Python,
+        package: "",
+        encoder: ("sample_batch.py", python_batch::source),
+        declarations: python_surface::declarations,
+        seen_with: "",
+        moved: None,
+    },
+    Language {
+        name: "swift",
+        target: TargetLanguage::Swift,
+        package: "",
+        encoder: ("SampleBatch.swift", swift_batch::source),
+        declarations: swift_surface::declarations,
+        seen_with: "..",
+        // The header is a module of its own.
+        moved: Some(("FieldwalkFFI.h", "../../FieldwalkFFI/FieldwalkFFI.h")),
+    },
+];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [library, folder, surface] = arguments.as_slice() else {
-        eprintln!("usage: fieldwalk-bindgen LIBRARY FOLDER SURFACE");
+    let [language, library, folder, surface] = arguments.as_slice() else {
+        eprintln!("usage: fieldwalk-bindgen LANGUAGE LIBRARY FOLDER SURFACE");
         return ExitCode::from(2);
     };
-    match generate(library, folder).and_then(|sources| compare(&sources, Path::new(surface))) {
+    let Some(language) = LANGUAGES.iter().find(|known| known.name == language) else {
+        eprintln!("error: no bindings for the language `{language}`");
+        return ExitCode::from(2);
+    };
+    let declarations = generate(language, library, folder);
+    match declarations.and_then(|declarations| surface::compare(declarations, Path::new(surface))) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -30,50 +87,37 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes the Kotlin sources anew and gives their texts.
-fn generate(library: &str, folder: &str) -> Result<Vec<String>, Box<dyn Error>> {
+/// Writes the sources anew and gives their public declarations.
+fn generate(language: &Language, library: &str, folder: &str) -> Result<Vec<String>, Box<dyn Error>> {
     let folder = Utf8PathBuf::from(folder);
     // A source that is no longer generated must not be compiled.
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
     uniffi::generate(uniffi::GenerateOptions {
-        languages: vec![uniffi::TargetLanguage::Kotlin],
+        languages: vec![language.target.clone()],
         source: library.into(),
         out_dir: folder.clone(),
         ..uniffi::GenerateOptions::default()
     })?;
-    let package = folder.join("org/fieldwalk");
-    std::fs::write(package.join("SampleBatch.kt"), kotlin_batch::source())?;
-    let mut sources = Vec::new();
-    for entry in package.read_dir_utf8()? {
-        sources.push(std::fs::read_to_string(entry?.path())?);
+    let package = folder.join(Utf8Path::new(language.package));
+    let (file, encoder) = language.encoder;
+    std::fs::write(package.join(file), encoder())?;
+    if let Some((file, place)) = language.moved {
+        std::fs::rename(folder.join(file), folder.join(place))?;
     }
-    Ok(sources)
-}
-
-/// Compares the public declarations of `sources` with those of the file at `path`.
-fn compare(sources: &[String], path: &Path) -> Result<(), Box<dyn Error>> {
-    let mut found: Vec<String> =
-        sources.iter().flat_map(|source| kotlin_surface::declarations(source)).collect();
-    found.sort();
-    found.dedup();
-    let found = found.join("\n") + "\n";
-    if std::env::var_os(UPDATE).is_some_and(|value| value == "1") {
-        return Ok(std::fs::write(path, found)?);
+    let ending = Utf8Path::new(file).extension();
+    let mut declarations = Vec::new();
+    let mut folders = vec![folder.join(language.seen_with)];
+    while let Some(folder) = folders.pop() {
+        for entry in folder.read_dir_utf8()? {
+            let path = entry?.into_path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension() == ending {
+                declarations.extend((language.declarations)(&std::fs::read_to_string(path)?));
+            }
+        }
     }
-    let expected = std::fs::read_to_string(path)?;
-    if found == expected {
-        return Ok(());
-    }
-    let lacks = |list: &str, line: &&str| !list.lines().any(|other| other == *line);
-    let gone = expected.lines().filter(|line| lacks(&found, line)).map(|line| format!("\n- {line}"));
-    let new = found.lines().filter(|line| lacks(&expected, line)).map(|line| format!("\n+ {line}"));
-    let changes: String = gone.chain(new).collect();
-    let name = path.display();
-    Err(format!(
-        "the public surface differs from {name}:{changes}\nIf that is meant: {UPDATE}=1 cargo xtask bindings, and say \
-         in CHANGELOG.md what breaks"
-    )
-    .into())
+    Ok(declarations)
 }

@@ -148,6 +148,29 @@ pub fn score(
     result
 }
 
+/// Where `recipe` puts the walker at every truth point of `walk`; nothing where there was no fix.
+pub fn fixes(
+    floor: &Arc<FloorIndex>,
+    recipe: &Recipe,
+    start: Start,
+    seed: u64,
+    walk: &TestWalk,
+) -> Vec<Option<Point2>> {
+    let mut positioner = Positioner::new(Arc::clone(floor), recipe.clone(), seed);
+    if let Some(hint) = hint(start, seed, floor.map().ordinal, walk.start) {
+        // As in `score`: a start off the plan is refused.
+        let _ = positioner.hint(hint);
+    }
+    let mut samples = walk.samples.iter().peekable();
+    let at = |truth: &TruthPoint| {
+        while let Some(sample) = samples.next_if(|sample| sample.time <= truth.time) {
+            positioner.push(*sample);
+        }
+        positioner.fix_at(truth.time).ok().map(|fix| fix.position)
+    };
+    walk.truth.iter().map(at).collect()
+}
+
 /// The truth, off by up to the radius along each axis.
 fn hint(start: Start, seed: u64, floor: i32, truth: Waypoint) -> Option<PositionHint> {
     let Start::Known { radius_m } = start else { return None };

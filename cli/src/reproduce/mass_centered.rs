@@ -6,6 +6,7 @@ mod mall;
 mod office;
 mod step_lengths;
 mod sweeps;
+mod timing;
 
 use crate::reproduce::Experiment;
 
@@ -15,6 +16,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         name: "the office, its users and phones",
         claims: &[
             "mc-80",
+            "mc-magicol-cross",
             "mc-window",
             "mc-threshold",
             "mc-users",
@@ -33,4 +35,5 @@ pub const EXPERIMENTS: &[Experiment] = &[
         run: attitude::run,
     },
     Experiment { name: "the field's spectrum", claims: &["mc-spectrum"], is_timed: false, run: field::run },
+    Experiment { name: "time of a step", claims: &["mc-time"], is_timed: true, run: timing::run },
 ];

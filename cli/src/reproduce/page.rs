@@ -99,7 +99,11 @@ fn row(body: &mut String, outcome: &Outcome, what: &str, part: Option<&PartOutco
 
 /// An interval for people; empty where it says no more than the value.
 pub fn interval(low: f64, high: f64) -> String {
-    if low == high { String::new() } else { format!("{} to {}", number(low, 2), number(high, 2)) }
+    if low == high || low.is_nan() {
+        String::new()
+    } else {
+        format!("{} to {}", number(low, 2), number(high, 2))
+    }
 }
 
 fn escape(text: &str) -> String {

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use fieldwalk::geometry::Point2;
 use fieldwalk::map::{FloorIndex, FloorMap};
 use fieldwalk::survey::{SurveyParams, SurveyWalk, build_floor};
 use fieldwalk::system::Recipe;
 use fieldwalk_sim::scenario::{Scenario, Walk};
 
-use crate::evaluation::{Start, TestWalk, score};
+use crate::evaluation::{Start, TestWalk, fixes, score};
 use crate::simulated::{floor_name, test_walk};
 
 /// A building and its map.
@@ -52,5 +53,10 @@ impl Surveyed {
     pub fn errors_m(&self, recipe: &Recipe, start: Start, seed: u64, walk: &TestWalk) -> Vec<f64> {
         let scored = score(&self.floor, recipe, start, seed, walk);
         scored.points.iter().map(|(_, fix)| fix.map_or(f64::INFINITY, |fix| fix.error_m)).collect()
+    }
+
+    /// Where `recipe` puts the walker of `walk` at its truth points, in order; where there was no fix, nothing.
+    pub fn fixes(&self, recipe: &Recipe, start: Start, seed: u64, walk: &TestWalk) -> Vec<Option<Point2>> {
+        fixes(&self.floor, recipe, start, seed, walk)
     }
 }

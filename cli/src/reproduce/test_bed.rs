@@ -91,6 +91,18 @@ pub fn mass_centered_phones() -> [(&'static str, PhoneModel); 4] {
     ]
 }
 
+/// The hall of iBILL 2017 with a cluster of three beacons 4 m apart at either end, at the height of a phone held level.
+///
+/// # Source
+/// The distances are the paper's. It gives no height, and computes as if there were none (Eq. 31): under the ceiling of
+/// six metres all beacons of a cluster are about equally far from everywhere in it.
+pub fn ibill_clusters(seed: u64) -> Scenario {
+    let mut hall = Scenario::of_building(Building::hall(), &SteelParams::default(), seed);
+    hall.radio = RadioScene::clusters(&hall.building, seed);
+    hall.radio.transmitters.iter_mut().for_each(|beacon| beacon.place_m[2] = 1.1);
+    hall
+}
+
 /// The office of Kwak 2018: 20.5 × 16 m, three rooms, four access points in the corners, a steel frame.
 ///
 /// # Source

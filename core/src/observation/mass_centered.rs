@@ -1,9 +1,15 @@
 //! The mass-centred weight: step-to-step changes of the field's strength, compared over a short window.
 
+mod direction;
+
 use serde::{Deserialize, Serialize};
+
+pub use direction::{DirectionParams, ObservedDirection};
 
 use crate::map::FloorIndex;
 use crate::particle::Particles;
+use crate::pedestrian::StepEvent;
+use direction::DirectionChange;
 
 /// Parameters of the mass-centred weight.
 ///
@@ -17,11 +23,63 @@ pub struct MassCenteredParams {
     pub window: usize,
     /// Threshold `T`, in µT: smaller mean errors count as this; the paper's best is 0.05.
     pub threshold_ut: f32,
+    /// What azimuth and polar angle add while the device is held as in the survey; nothing leaves them out.
+    #[serde(default)]
+    pub direction: Option<DirectionParams>,
 }
 
 impl Default for MassCenteredParams {
     fn default() -> Self {
-        Self { window: 3, threshold_ut: 0.05 }
+        Self { window: 3, threshold_ut: 0.05, direction: Some(DirectionParams::default()) }
+    }
+}
+
+/// What was observed at the last step, to which the next is compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LastObserved {
+    strength_ut: Option<f32>,
+    direction: Option<ObservedDirection>,
+    /// Changes of direction in a row up to the last step.
+    n_changes: usize,
+}
+
+/// Where all particles moved from at a step, and how the wearer turned in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure<'a> {
+    /// The particles' x before the step, in metres.
+    pub from_x_m: &'a [f32],
+    /// Their y, in metres.
+    pub from_y_m: &'a [f32],
+    /// How far the body turned since the step before, by the gyroscope, clockwise, in radians.
+    pub turn_rad: f32,
+}
+
+/// Weighs every particle by the changes that `event` brought: `w ← w·c_s·(c_a·c_p)^I`.
+///
+/// # Source
+/// Mass-centred 2019, Eq. 12.
+pub fn weigh(
+    params: &MassCenteredParams,
+    floor: &FloorIndex,
+    event: &StepEvent,
+    departure: Departure<'_>,
+    last: &mut LastObserved,
+    particles: &mut Particles,
+    weights: &mut [f32],
+) {
+    let last_strength_ut = core::mem::replace(&mut last.strength_ut, event.end_strength_ut);
+    if let (Some(now_ut), Some(last_ut)) = (event.end_strength_ut, last_strength_ut) {
+        update(params, floor, now_ut - last_ut, particles, weights);
+    }
+    let Some(direction) = &params.direction else { return };
+    let observed = ObservedDirection::of(event);
+    let last_observed = core::mem::replace(&mut last.direction, observed);
+    let change = observed
+        .zip(last_observed)
+        .map(|(now, before)| DirectionChange::between(before, now, last.n_changes.saturating_add(1)));
+    last.n_changes = change.map_or(0, |change| change.n_in_a_row);
+    if observed.is_some() {
+        direction::update(direction, params.window, floor, departure, change.as_ref(), particles, weights);
     }
 }
 
@@ -31,8 +89,8 @@ impl Default for MassCenteredParams {
 /// Particles where the map knows no strength count as having felt no change.
 ///
 /// # Source
-/// Mass-centred 2019, Eqs. 4, 11 and 12 with `I = 0`: strength only.
-pub fn update(
+/// Mass-centred 2019, Eqs. 4 and 8.
+fn update(
     params: &MassCenteredParams,
     floor: &FloorIndex,
     observed_change_ut: f32,

@@ -109,6 +109,24 @@ pub(super) struct Deviation {
     pub walk: u32,
 }
 
+/// Whether a map of `plan` can be made: a survey app asks before anybody walks.
+///
+/// # Errors
+/// [`SurveyError::BadPlan`] and [`SurveyError::TooManyNodes`].
+pub fn check_extent(plan: &FloorPlan, params: &SurveyParams) -> Result<(), SurveyError> {
+    let is_extent = |m: f64| m > 0.0 && m <= 10_000.0;
+    if !is_extent(plan.width_m) || !is_extent(plan.height_m) {
+        return Err(SurveyError::BadPlan);
+    }
+    let n_nodes = (plan.width_m / params.cell_m + 1.0) * (plan.height_m / params.cell_m + 1.0);
+    // Not a number where the cell's size is none.
+    if !(params.cell_m > 0.0 && n_nodes <= MAX_NODES as f64) {
+        let (width_m, height_m) = (plan.width_m as u32, plan.height_m as u32);
+        return Err(SurveyError::TooManyNodes { width_m, height_m });
+    }
+    Ok(())
+}
+
 /// Builds a floor's map from its plan and the walks that surveyed it.
 ///
 /// # Errors
@@ -120,16 +138,7 @@ pub fn build_floor(
     walks: &[SurveyWalk],
     params: &SurveyParams,
 ) -> Result<FloorMap, SurveyError> {
-    let is_extent = |m: f64| m > 0.0 && m <= 10_000.0;
-    if !is_extent(plan.width_m) || !is_extent(plan.height_m) {
-        return Err(SurveyError::BadPlan);
-    }
-    let n_nodes = (plan.width_m / params.cell_m + 1.0) * (plan.height_m / params.cell_m + 1.0);
-    // Not a number where the cell's size is none.
-    if !(params.cell_m > 0.0 && n_nodes <= MAX_NODES as f64) {
-        let (width_m, height_m) = (plan.width_m as u32, plan.height_m as u32);
-        return Err(SurveyError::TooManyNodes { width_m, height_m });
-    }
+    check_extent(plan, params)?;
     let surveyed = Surveyed::of(walks);
     if surveyed.tracks.is_empty() {
         return Err(SurveyError::NoTrack { n_walks: walks.len() });
@@ -246,7 +255,7 @@ pub(super) fn grid_routes(map: &mut FloorMap, params: &SurveyParams) {
 }
 
 /// Distance of every node to the nearest route, up to `reach_m`.
-fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach_m: f64) -> Vec<f32> {
+pub(super) fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach_m: f64) -> Vec<f32> {
     let mut distances_m = vec![reach_m as f32; frame.len()];
     for line in routes.iter().flat_map(|route| route.windows(2)) {
         let segment = Segment { a: line[0], b: line[1] };

@@ -4,7 +4,7 @@ use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
 use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
-use crate::particle::ReplenishParams;
+use crate::particle::{ReplenishParams, Resampling};
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     StartRule,
@@ -49,6 +49,7 @@ impl Recipe {
             ble_filter: Some(BleFilterParams::default()),
             replenish: Some(ReplenishParams::default()),
             resample_below: 0.0,
+            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 2.0, floor_m: 1.5, tail: 1.5 },
         }
     }

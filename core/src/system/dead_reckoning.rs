@@ -1,6 +1,7 @@
 //! Dead reckoning: the baseline that every other system must beat.
 
 use crate::front_end::FrontEndRule;
+use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     StartRule,
@@ -28,6 +29,7 @@ impl Recipe {
             ble_filter: None,
             replenish: None,
             resample_below: 0.0,
+            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::front_end::FrontEndRule;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
+use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     StartRule,
@@ -41,6 +42,7 @@ impl Recipe {
             ble_filter: None,
             replenish: None,
             resample_below: 0.7,
+            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.15, floor_m: 1.3, tail: 1.15 },
         }
     }

@@ -3,6 +3,7 @@
 use crate::front_end::FrontEndRule;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::radio::RadioParams;
+use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     RouteParams, StartRule,
@@ -36,6 +37,7 @@ impl Recipe {
             ble_filter: None,
             replenish: None,
             resample_below: 0.7,
+            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.3, floor_m: 1.25, tail: 1.15 },
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
+use crate::step::turned_length_m;
 use crate::system::{HeadingRule, LengthRule};
 use crate::tracker::Tracker;
 
@@ -12,6 +13,7 @@ impl Tracker {
         let motion = self.recipe.motion;
         let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
         let (azimuth_sin, azimuth_cos) = libm::sincosf(azimuth_rad);
+        let turned = turned_length_m(1.0, self.state.turn_rad);
         let (raw_sin, raw_cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
         let n_steps = f32::from(event.n_steps);
         let particles = &mut self.state.particles;
@@ -28,9 +30,10 @@ impl Tracker {
                 LengthRule::Genetic { a_walk_sd_m, b_walk_sd_m, step_sd_m, .. } => {
                     particles.gene_a_m[i] += a_walk_sd_m * noise[2];
                     particles.gene_b_m[i] += b_walk_sd_m * noise[3];
-                    particles.gene_a_m[i] * event.cycle.frequency_hz
+                    let length_m = particles.gene_a_m[i] * event.cycle.frequency_hz
                         + particles.gene_b_m[i]
-                        + step_sd_m * noise[1]
+                        + step_sd_m * noise[1];
+                    turned * length_m
                 }
                 LengthRule::Alike { mean_m, round_sd_m } => mean_m + round_sd_m * noise[1],
             }

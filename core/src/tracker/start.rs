@@ -59,7 +59,14 @@ impl Tracker {
                         self.floor.layer(strengths, particles.x_m[i], particles.y_m[i]).unwrap_or(f32::NAN)
                     })
                     .collect();
-                particles.delta_errors_ut = vec![f32::NAN; n * params.window.max(1)];
+                let window = params.window.max(1);
+                particles.delta_errors_ut = vec![f32::NAN; n * window];
+                if params.direction.is_some() {
+                    particles.field_heading_rad = vec![f32::NAN; n];
+                    particles.polar_rad = vec![f32::NAN; n];
+                    particles.azimuth_errors_rad = vec![0.0; n * window];
+                    particles.polar_errors_rad = vec![0.0; n * window];
+                }
             }
             MagneticRule::FieldVector(params) => {
                 particles.bias_x_ut = vec![0.0; n];

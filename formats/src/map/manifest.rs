@@ -42,6 +42,11 @@ impl Manifest {
     pub(super) fn from_json(bytes: &[u8]) -> Result<Self, FormatError> {
         check_version(bytes, FORMAT)?;
         let manifest: Self = serde_json::from_slice(bytes).map_err(|error| malformed_json(FORMAT, &error))?;
+        let mut files: Vec<&str> = manifest.floors.iter().map(|entry| entry.file.as_str()).collect();
+        files.sort_unstable();
+        if files.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err(FormatError::malformed("two floors lie in one file", "export the building anew"));
+        }
         match manifest.floors.iter().find(|entry| !is_plain_name(&entry.file)) {
             None => Ok(manifest),
             Some(entry) => Err(FormatError::malformed(
@@ -108,6 +113,7 @@ mod tests {
             let json = manifest_of(&[file]).to_json();
             assert!(Manifest::from_json(json.as_bytes()).is_err(), "{file}");
         }
+        assert!(Manifest::from_json(manifest_of(&["a", "b", "a"]).to_json().as_bytes()).is_err());
         let json = manifest_of(&["F1.safetensors"]).to_json();
         assert_eq!(Manifest::from_json(json.as_bytes()).unwrap().to_json(), json);
     }

@@ -10,7 +10,7 @@ use fieldwalk_sim::walker::{Pace, WalkerProfile};
 use super::office::{FIRST_SCORED_S, walked_by};
 use crate::evaluation::Start;
 use crate::plot::cdf;
-use crate::reproduce::estimate::mean_of;
+use crate::reproduce::estimate::quantile_of;
 use crate::reproduce::surveyed::Surveyed;
 use crate::reproduce::test_bed::{MASS_CENTERED_LOOP, SLOW_NORMAL_FAST};
 use crate::reproduce::{Estimate, Finding, Findings, Picture};
@@ -117,11 +117,13 @@ pub fn measure(office: &Surveyed, seed: u64) -> Measured {
 /// Adds what the loops say.
 pub fn conclude(findings: Findings, seeds: &[&Measured]) -> Findings {
     let n = seeds.len();
-    let means =
-        |of: &dyn Fn(&Measured) -> &[f64]| -> Vec<f64> { seeds.iter().map(|one| mean_of(of(one))).collect() };
-    let models: Vec<Vec<f64>> = (0..NAMES.len()).map(|k| means(&|one| &one.models[k])).collect();
+    // The middle of each building's errors: one walk that has lost its way would outweigh all others in a mean.
+    let medians = |of: &dyn Fn(&Measured) -> &[f64]| -> Vec<f64> {
+        seeds.iter().map(|one| quantile_of(of(one).iter().copied(), 0.5)).collect()
+    };
+    let models: Vec<Vec<f64>> = (0..NAMES.len()).map(|k| medians(&|one| &one.models[k])).collect();
     let orders: Vec<Estimate> = models.windows(2).map(|pair| Estimate::paired(&pair[1], &pair[0])).collect();
-    let azimuth = Estimate::paired(&models[0], &means(&|one| &one.uncompensated));
+    let azimuth = Estimate::paired(&models[0], &medians(&|one| &one.uncompensated));
     let pooled = |of: &dyn Fn(&Measured) -> &[f64]| -> Vec<f64> {
         seeds.iter().flat_map(|one| of(one).iter().copied()).collect()
     };

@@ -63,6 +63,45 @@ class LifetimeTest {
     }
 
     @Test
+    fun `ten thousand objects made, used and closed leave no thread and no memory behind`() {
+        val batch = batchOf(Walk.samples.take(60))
+        fun cycles(map: BuildingMap, n: Int) = repeat(n) {
+            Positioner(map, 0).use { positioner ->
+                positioner.hint(PositionHint(Walk.start.point, 2.0, 0, Walk.start.timeNs))
+                positioner.pushSamples(batch.bytes())
+                assertNotNull(positioner.fix())
+            }
+            MagnetometerCalibrator().use { it.pushSamples(batch.bytes()) }
+            CardDecoder().close()
+        }
+        Walk.openMap().use { map ->
+            cycles(map, 1_000)
+            System.gc()
+            val nThreads = Thread.getAllStackTraces().size
+            val beforeKb = nativeKb()
+            cycles(map, 9_000)
+            System.gc()
+            assertTrue(Thread.getAllStackTraces().size <= nThreads + 1, "threads")
+            // A positioner that stayed in a hundred would be tens of megabytes; the JVM itself moves by some.
+            if (beforeKb != null) assertTrue(nativeKb()!! - beforeKb < 40_000, "$beforeKb kB, then ${nativeKb()} kB")
+        }
+    }
+
+    /** All that the process holds; of that the Java heap is fixed in size by the POM. */
+    private fun nativeKb(): Long? = java.io.File("/proc/self/status").takeIf { it.exists() }?.readLines()
+        ?.first { it.startsWith("VmRSS:") }?.split(Regex("\\s+"))?.get(1)?.toLong()
+
+    @Test
+    fun `a recorder, a surveyor and a decoder say so when they are closed`() {
+        val decoder = CardDecoder()
+        decoder.close()
+        assertThrows(IllegalStateException::class.java) { decoder.decodeAdvertisement(ByteArray(31).toDirect()) }
+        val calibrator = MagnetometerCalibrator()
+        calibrator.close()
+        assertThrows(IllegalStateException::class.java) { calibrator.verdict() }
+    }
+
+    @Test
     fun `objects that nobody closes are collected without harm`() {
         Walk.openMap().use { map ->
             repeat(300) { k ->

@@ -74,7 +74,9 @@ class RefusalTest {
         refused<ApiException.BatchMalformed> { positioner.pushSamples(ByteBuffer.allocateDirect(0)) }
         val newer = batch.clone().also { it[4] = 9 }
         refused<ApiException.BatchTooNew> { positioner.pushSamples(newer.toDirect()) }
-        assertEquals(Status(Rejections(0u, 0u, 0u, 0u), BatchFaults(0u, 0u), 0u), positioner.status())
+        val status = positioner.status()
+        assertEquals(Rejections(0u, 0u, 0u, 0u) to BatchFaults(0u, 0u), status.rejections to status.batchFaults)
+        assertEquals(listOf(MissingInput.SAMPLES), status.missing.map { it.what })
     }
 
     @Test
@@ -98,11 +100,15 @@ class RefusalTest {
             Positioner(map, 0).use { positioner ->
                 assertNull(positioner.fix())
                 assertNull(positioner.fixAt(5))
+                val missing = positioner.status().missing.first()
+                assertEquals(MissingInput.START, missing.what)
+                assertTrue("hint" in missing.remedy, missing.remedy)
             }
         }
         placed { positioner ->
             positioner.pushSamples(batchOf(Walk.samples).bytes())
             refused<ApiException.TimeInPast> { positioner.fixAt(start.timeNs - 1) }
+            assertEquals(emptyList<Missing>(), positioner.status().missing)
         }
     }
 

@@ -9,6 +9,14 @@ object Walk {
     val mapFolder = File(folder, "map")
     val records = records("walk")
     val samples = records.filter { it.kind != "waypoint" }
+    val waypoints = records.filter { it.kind == "waypoint" }
+    val start = waypoints.first()
+
+    /** The walk as a log of text. */
+    val log = File(folder, "walk.txt")
+
+    /** The floor's plan in GeoJSON. */
+    val plan = File(folder, "plan.geojson").readBytes()
 
     /** What `fieldwalk replay --bits` says of the walk. */
     val digest = File(folder, "walk.bits").readText().substringBefore(' ')
@@ -37,6 +45,7 @@ class Record(private val fields: List<String>) {
         "ble_sighting" -> batch.bleSighting(timeNs, float(2), bytes(3))
         "ibeacon_sighting" -> batch.ibeaconSighting(timeNs, float(2), bytes(3), fields[4].toInt(), fields[5].toInt())
         "wifi_sighting" -> batch.wifiSighting(timeNs, float(2), bytes(3))
+        "card_frame" -> batch.cardFrame(timeNs, bytes(2))
         else -> error("a record called $kind")
     }
 

@@ -1,0 +1,71 @@
+import FieldwalkSurvey
+import Foundation
+import Testing
+
+@testable import Fieldwalk
+
+/// The survey app's logic on Fieldwalk's own surveyor: the simulated walk becomes a map.
+struct SurveyorTests {
+    private func engine() throws -> SurveyorEngine {
+        let plan = try Data(contentsOf: Walk.folder.appendingPathComponent("plan.geojson"))
+        return try SurveyorEngine(plan: plan, floor: "F1", ordinal: 0)
+    }
+
+    @Test func aWalkWithTapsBecomesAMapThatPositions() async throws {
+        let engine = try engine()
+        #expect(engine.plan().widthM == 26 && engine.plan().heightM == 20 && !engine.plan().rings.isEmpty)
+        let hand = Hand()
+        let walks = SurveyWalks(engine: engine, sensors: [hand], nowNs: { hand.nowNs })
+        await walks.beginWalk()
+        for record in Walk.records {
+            hand.nowNs = record.timeNs
+            if record.isWaypoint {
+                await walks.tap(record.point)
+                #expect(await walks.look().message == nil)
+            } else if let sample = record.sample {
+                hand.deliver(sample)
+            }
+        }
+        let walking = await walks.look()
+        #expect(walking.nSteps > 50 && walking.taps.count > 2)
+        await walks.endWalk()
+        let state = await walks.look()
+        #expect(state.nWalks == 1 && state.routeM > 20 && state.message == nil)
+        let coverage = try #require(state.coverage)
+        #expect(coverage.share > 0.2 && CoverageImage(coverage) != nil)
+
+        let built = try #require(await walks.build())
+        let map = try BuildingMap.fromFile(file: built.file)
+        #expect(map.floors() == [FloorInfo(name: "F1", ordinal: 0, widthM: 26, heightM: 20)])
+        let positioner = try Positioner(map: map, floor: 0)
+        try positioner.hint(hint: Walk.start)
+        #expect(try positioner.pushSamples(batch: batchOf(Walk.samples)).count > 50)
+    }
+
+    @Test func aWalkWithoutStepsSaysWhatToDo() async throws {
+        let walks = SurveyWalks(engine: try engine(), sensors: [], nowNs: { 1 })
+        await walks.beginWalk()
+        await walks.tap(Point2(xM: 5, yM: 5))
+        await walks.tap(Point2(xM: -1, yM: 5))
+        #expect(await walks.look().message?.contains("plan") == true)
+        await walks.endWalk()
+        let state = await walks.look()
+        #expect(state.nWalks == 0 && state.message?.isEmpty == false)
+    }
+
+    @Test func whatIsNoPlanIsRefused() {
+        for plan in [Data(), Data("{}".utf8), Data("[1, 2".utf8)] {
+            let refused = refusal { _ = try SurveyorEngine(plan: plan, floor: "F1", ordinal: 0) }
+            #expect(refused?.code == "PlanMalformed")
+        }
+    }
+}
+
+/// Sensors that deliver what they are given.
+private final class Hand: SensorSource, @unchecked Sendable {
+    private var sink: (@Sendable (SensorSample) -> Void)?
+    var nowNs: Int64 = 0
+    func start(_ deliver: @escaping @Sendable (SensorSample) -> Void) { sink = deliver }
+    func stop() { sink = nil }
+    func deliver(_ sample: SensorSample) { sink?(sample) }
+}
