@@ -28,17 +28,8 @@ pub fn walk(office: &Surveyed, k: usize, seed: u64) -> Walk {
     Walk { walker, card: Some(card), device: 10 * seed + tester as u64, ..usual }
 }
 
-fn base() -> Recipe {
-    // TUNING
-    match std::env::var("KWAK_RECIPE") {
-        Ok(path) => serde_json::from_str(&std::fs::read_to_string(path).unwrap_or_default())
-            .unwrap_or_else(|_| Recipe::card()),
-        Err(_) => Recipe::card(),
-    }
-}
-
 fn with_history(change: impl FnOnce(&mut HistoryParams)) -> Recipe {
-    let mut recipe = base();
+    let mut recipe = Recipe::card();
     if let MagneticRule::History(params) = &mut recipe.magnetic {
         change(params);
     }
@@ -47,7 +38,7 @@ fn with_history(change: impl FnOnce(&mut HistoryParams)) -> Recipe {
 
 /// `EUC` with that many particles.
 pub fn euclidean(n_particles: usize) -> Recipe {
-    Recipe { n_particles, ..base() }
+    Recipe { n_particles, ..Recipe::card() }
 }
 
 /// `DTW` with that many particles.
@@ -63,7 +54,7 @@ pub fn remembering(seconds: usize) -> Recipe {
 
 /// `PDR_RAW`: every particle takes the raw orientation.
 pub fn raw_heading() -> Recipe {
-    let mut recipe = base();
+    let mut recipe = Recipe::card();
     if let HeadingRule::Pathway(params) = &mut recipe.motion.heading {
         (params.by_compass, params.by_last_heading) = (0.0, 0.0);
     }
@@ -75,7 +66,7 @@ pub fn raw_heading() -> Recipe {
 /// # Source
 /// Kwak 2018, §5.3.5 and Fig. 17; σ = 0.2 l is the paper's for others.
 pub fn plain() -> Recipe {
-    let mut recipe = Recipe { replenish: None, resample_below: 1.0, ..base() };
+    let mut recipe = Recipe { replenish: None, resample_below: 1.0, ..Recipe::card() };
     if let LengthRule::Alike { mean_m, round_sd_m } = &mut recipe.motion.length {
         *round_sd_m = 0.2 * *mean_m;
     }
@@ -84,5 +75,5 @@ pub fn plain() -> Recipe {
 
 /// Without the filter of the start.
 pub fn unfiltered() -> Recipe {
-    Recipe { ble_filter: None, ..base() }
+    Recipe { ble_filter: None, ..Recipe::card() }
 }

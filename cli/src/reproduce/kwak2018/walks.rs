@@ -139,9 +139,6 @@ fn counted(recorded: &Recorded) -> [f64; 2] {
         }
     }
     let n_made = recorded.steps.len() as f64;
-    if std::env::var("KWAK_RECIPE").is_ok() {
-        eprintln!("{} {n_counted} of {n_made}", recorded.name);
-    }
     [(n_counted - n_made).abs(), n_made]
 }
 
