@@ -4,7 +4,7 @@ mod estimate;
 mod replenish;
 mod resampling;
 
-pub use estimate::{CloudEstimate, EstimateScratch};
+pub use estimate::{Centre, CloudEstimate, EstimateScratch};
 pub use replenish::{ReplenishParams, ReplenishScratch};
 pub use resampling::{ResampleScratch, Resampling};
 

@@ -6,16 +6,20 @@ mod dtw;
 mod fused;
 mod mass_centered;
 mod radar;
+mod song;
+mod wila;
 
 use serde::{Deserialize, Serialize};
 
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
 use crate::observation::ble_filter::BleFilterParams;
+use crate::observation::candidates::CandidateParams;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
+use crate::observation::strength::StrengthParams;
 use crate::particle::{ReplenishParams, Resampling};
 use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
@@ -111,6 +115,11 @@ pub enum HeadingRule {
     /// # Source
     /// Kwak 2018, Alg. 1.
     Pathway(PathwayParams),
+    /// The azimuth of every step, turned by the floor's mean deviation where there was a survey.
+    ///
+    /// # Source
+    /// WILA 2016, §3.3: the heading as its filter has it.
+    Compass,
 }
 
 /// How step lengths vary over particles and steps.
@@ -191,12 +200,29 @@ pub struct RouteParams {
     pub start_power: f32,
     /// The density of a place that no line passes, in lines.
     pub start_floor: f32,
-    /// No cost up to this distance from a surveyed line, in metres.
+    /// No cost up to this distance from a surveyed line, in metres; less where surveyed lines keep closer together, and
+    /// the cost beyond is then steeper by as much.
     pub free_m: f32,
     /// Added to the log weight, at every step, per metre beyond.
     pub log_weight_per_m: f32,
+    /// Added to the log weight at every step right across surveyed lines that all run one way, less at a slant or where
+    /// they agree less.
+    #[serde(default)]
+    pub across_log_weight: f32,
     /// The most that is added (a negative number).
     pub min_log_weight: f32,
+}
+
+impl RouteParams {
+    /// The free distance, in metres, and the log weight per metre beyond it on a floor whose lines keep within `band_m` of
+    /// each other.
+    pub(crate) fn within(&self, band_m: f32) -> (f32, f32) {
+        if band_m < self.free_m {
+            (band_m, self.log_weight_per_m * (self.free_m / band_m))
+        } else {
+            (self.free_m, self.log_weight_per_m)
+        }
+    }
 }
 
 /// What the magnetic field says of a particle.
@@ -209,6 +235,11 @@ pub enum MagneticRule {
     MassCentered(MassCenteredParams),
     /// The vector in the particle's own heading, with a learnt bias.
     FieldVector(FieldVectorParams),
+    /// The strength, by a normal density.
+    Strength(StrengthParams),
+    /// The strength again, of particles that are put on the map's points of the most similar one; the heaviest is the
+    /// position.
+    Candidates(CandidateParams),
     /// What was read during the last while against what the map says along each particle's way.
     History(HistoryParams),
 }
@@ -253,6 +284,10 @@ macro_rules! systems {
 systems! {
     "dead-reckoning" => Recipe::dead_reckoning,
     "radar" => Recipe::radar,
+    "wila" => Recipe::wila,
+    "nearest" => Recipe::nearest,
+    "particle-100" => Recipe::particle_100,
+    "candidates" => Recipe::candidates,
     "card" => Recipe::card,
     "dtw" => Recipe::dtw,
     "mass-centered" => Recipe::mass_centered,

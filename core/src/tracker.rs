@@ -1,8 +1,11 @@
 //! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
 
+mod candidates;
 mod motion;
 mod radar;
 mod start;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
@@ -12,16 +15,20 @@ use crate::front_end::FrontEndRule;
 use crate::geometry::{Point2, wrap_rad};
 use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
+use crate::observation::candidates::{CandidateParams, SearchArea};
 use crate::observation::history::{DeviceHistory, HistoryScratch};
 use crate::observation::mass_centered::Departure;
 use crate::observation::radio::RadioObservation;
-use crate::observation::{field_vector, history, mass_centered, radio};
-use crate::particle::{CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch};
+use crate::observation::{field_vector, history, mass_centered, radio, strength};
+use crate::particle::{
+    Centre, CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch,
+};
 use crate::pedestrian::StepEvent;
 use crate::radio::fingerprint::FingerprintMatcher;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
 use crate::time::Timestamp;
+use candidates::CandidateScratch;
 
 /// Everything that the tracker remembers from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,6 +51,8 @@ pub struct TrackerState {
     turn_rad: f32,
     /// What the device has read lately, where histories are compared.
     history: DeviceHistory,
+    /// Where the next candidates are looked for, when not about the last ones.
+    search: Option<SearchArea>,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
     /// The first round after the start.
@@ -75,6 +84,7 @@ struct Scratch {
     weights: Vec<f32>,
     resample: ResampleScratch,
     estimate: EstimateScratch,
+    candidates: CandidateScratch,
     history: HistoryScratch,
     replenish: ReplenishScratch,
     matcher: FingerprintMatcher,
@@ -103,6 +113,10 @@ impl Tracker {
             weights: Vec::with_capacity(n),
             resample: ResampleScratch::with_capacity(n, window),
             estimate: EstimateScratch::default(),
+            candidates: match recipe.magnetic {
+                MagneticRule::Candidates(_) => CandidateScratch::with_capacity(n),
+                _ => CandidateScratch::default(),
+            },
             history: HistoryScratch::with_capacity(n_slots),
             replenish: ReplenishScratch::with_capacity(if recipe.replenish.is_some() { n } else { 0 }),
             matcher: if recipe.radar.is_some() || recipe.ble_filter.is_some() {
@@ -185,6 +199,7 @@ impl Tracker {
         let bits = (0..n as u32).map(|i| draw(seed, step, i, Purpose::Start));
         let (x_m, y_m) = bits.map(|b| (coordinate(point.x_m, b[0]), coordinate(point.y_m, b[1]))).unzip();
         self.occupy(x_m, y_m);
+        self.search_about(point, radius_m);
     }
 
     /// The latest estimate; nothing before the particles have a place.
@@ -226,7 +241,10 @@ impl Tracker {
         self.weigh_alike();
         self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
         self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
-        self.move_particles(event);
+        match self.recipe.magnetic {
+            MagneticRule::Candidates(params) => self.propose_candidates(&params, event),
+            _ => self.move_particles(event),
+        }
         self.apply_plan();
         self.apply_routes();
         self.apply_magnetic(event);
@@ -240,7 +258,11 @@ impl Tracker {
             self.recover();
         }
         self.replenish();
-        self.estimate_cloud();
+        let centre = match self.recipe.magnetic {
+            MagneticRule::Candidates(_) => Centre::Heaviest,
+            _ => Centre::Mean,
+        };
+        self.estimate_cloud(centre);
         self.resample();
     }
 
@@ -288,13 +310,16 @@ impl Tracker {
     fn apply_routes(&mut self) {
         let Some(routes) = self.recipe.routes else { return };
         let distances = &self.floor.map().layers.route_distance_m;
+        let (free_m, log_weight_per_m) = routes.within(self.floor.way_band_m());
         let particles = &mut self.state.particles;
         for i in 0..particles.x_m.len() {
-            let distance_m = self.floor.nearest(distances, particles.x_m[i], particles.y_m[i]);
-            let cost = distance_m.map_or(routes.min_log_weight, |d| {
-                (routes.log_weight_per_m * (d - routes.free_m).max(0.0)).max(routes.min_log_weight)
+            let (x_m, y_m) = (particles.x_m[i], particles.y_m[i]);
+            let cost = self.floor.nearest(distances, x_m, y_m).map_or(routes.min_log_weight, |d| {
+                (log_weight_per_m * (d - free_m).max(0.0)).max(routes.min_log_weight)
             });
-            particles.log_weight[i] += cost;
+            let (sin, cos) = (particles.heading_sin[i], particles.heading_cos[i]);
+            let across = self.floor.across_ways(x_m, y_m, sin, cos);
+            particles.log_weight[i] += cost + routes.across_log_weight * across;
         }
     }
 
@@ -314,6 +339,12 @@ impl Tracker {
                     particles,
                     weights,
                 );
+            }
+            MagneticRule::Strength(params)
+            | MagneticRule::Candidates(CandidateParams { strength: params, .. }) => {
+                if let Some(observed_ut) = event.end_strength_ut {
+                    strength::update(params, &self.floor, observed_ut, &mut self.state.particles);
+                }
             }
             MagneticRule::FieldVector(params) => {
                 if event.field_bias_reset {
@@ -380,12 +411,12 @@ impl Tracker {
         self.state.particles.replenish(params, weights, replenish, draw, may_stand);
     }
 
-    fn estimate_cloud(&mut self) {
+    fn estimate_cloud(&mut self, centre: Centre) {
         if self.state.particles.is_empty() || self.scratch.weights.len() != self.state.particles.len() {
             return;
         }
-        let estimate =
-            CloudEstimate::of(&self.state.particles, &self.scratch.weights, &mut self.scratch.estimate);
+        let Scratch { weights, estimate, .. } = &mut self.scratch;
+        let estimate = CloudEstimate::centred(centre, &self.state.particles, weights, estimate);
         self.state.estimate = estimate.or(self.state.estimate);
     }
 
@@ -411,82 +442,6 @@ impl Tracker {
             {
                 *log_weight = libm::logf(*weight);
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::floor_plan::FloorPlan;
-    use crate::map::{FloorMap, GridFrame, Layers};
-    use crate::step::StepCycle;
-
-    /// 60 m × 20 m where the field grows by 2 µT a metre along x.
-    fn slope() -> FloorIndex {
-        let plan = FloorPlan { width_m: 60.0, height_m: 20.0, ..FloorPlan::default() };
-        let frame = GridFrame::covering(plan.width_m, plan.height_m, 1.0);
-        let strength_ut = (0..frame.len()).map(|node| 20.0 + 2.0 * (node % frame.nx) as f32).collect();
-        let layers = Layers { strength_ut, ..Layers::default() };
-        FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() })
-    }
-
-    fn step(k: u32) -> StepEvent {
-        let at = |k: u32| Timestamp::from_nanos(500_000_000 * i64::from(k));
-        StepEvent {
-            cycle: StepCycle {
-                start: at(k),
-                end: at(k + 1),
-                frequency_hz: 2.0,
-                amplitude_m_s2: 3.0,
-                is_first: false,
-            },
-            n_steps: 1,
-            reads: [None; 3],
-            level_heading_rad: core::f32::consts::FRAC_PI_2,
-            forward_field: None,
-            end_strength_ut: Some(40.0 + 1.5 * k as f32),
-            field_bias_reset: false,
-            attitude: crate::attitude::AttitudeEstimate::default(),
-        }
-    }
-
-    #[test]
-    fn a_turn_shortens_the_step_that_it_falls_in() {
-        let lengths_m = |turn_rad: f32, is_first: bool| {
-            let mut tracker = Tracker::new(Recipe::mass_centered(), Arc::new(slope()), 1);
-            tracker.place(Point2::new(20.0, 10.0), 2.0);
-            tracker.step(&step(0), &[]);
-            let mut turned = step(1);
-            turned.level_heading_rad += turn_rad;
-            turned.cycle.is_first = is_first;
-            tracker.step(&turned, &[]);
-            tracker.step_length_m()
-        };
-        // Equation 14: sin((π − π/2)/2) = sin 45°.
-        assert!(
-            (lengths_m(core::f32::consts::FRAC_PI_2, false) / lengths_m(0.0, false) - 0.5f64.sqrt()).abs()
-                < 1e-4
-        );
-        assert_eq!(lengths_m(core::f32::consts::FRAC_PI_2, true), lengths_m(0.0, true));
-    }
-
-    #[test]
-    fn mass_centred_weights_last_until_particles_are_resampled() {
-        let recipe = Recipe { n_particles: 60, resample_below: 0.0, ..Recipe::mass_centered() };
-        let MagneticRule::MassCentered(params) = recipe.magnetic else { panic!("another weight") };
-        let mut tracker = Tracker::new(recipe, Arc::new(slope()), 1);
-        tracker.place(Point2::new(20.0, 10.0), 2.0);
-        (0..4).for_each(|k| tracker.step(&step(k), &[]));
-        let before = tracker.particles().log_weight.clone();
-        let best = before.iter().fold(f32::NEG_INFINITY, |best, &w| best.max(w));
-        assert!(before.iter().any(|&w| w < best - 0.1), "{before:?}");
-        tracker.step(&step(4), &[]);
-        let Particles { log_weight, delta_errors_ut, .. } = tracker.particles();
-        for ((after, before), errors_ut) in log_weight.iter().zip(before).zip(delta_errors_ut.chunks(3)) {
-            let mean_ut = errors_ut.iter().sum::<f32>() / 3.0;
-            let expected = before - best - libm::logf(mean_ut.max(params.threshold_ut));
-            assert!((after - expected).abs() < 1e-4, "{after} {expected}");
         }
     }
 }

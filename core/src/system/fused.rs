@@ -30,6 +30,7 @@ impl Recipe {
                 free_m: 2.5,
                 log_weight_per_m: -0.03,
                 min_log_weight: -0.3,
+                across_log_weight: -2.0,
             }),
             magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
             radio: Some(RadioParams::default()),

@@ -54,6 +54,7 @@ impl Tracker {
                     particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
                     libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
                 }
+                HeadingRule::Compass => (raw_sin, raw_cos),
                 HeadingRule::Pathway(_) => {
                     let (x_m, y_m) = (particles.x_m[i], particles.y_m[i]);
                     let last = [particles.heading_sin[i], particles.heading_cos[i]];

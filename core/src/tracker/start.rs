@@ -1,8 +1,9 @@
 //! Where particles begin, which way they face, and how they begin anew when all have died.
 
 use crate::geometry::Point2;
+use crate::observation::candidates::SearchArea;
 use crate::observation::radio::{RadioObservation, log_likelihood};
-use crate::particle::Particles;
+use crate::particle::{Centre, Particles};
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, StartRule};
@@ -51,7 +52,7 @@ impl Tracker {
             LengthRule::Alike { .. } => {}
         }
         match &self.recipe.magnetic {
-            MagneticRule::Ignore => {}
+            MagneticRule::Ignore | MagneticRule::Strength(_) | MagneticRule::Candidates(_) => {}
             MagneticRule::MassCentered(params) => {
                 let strengths = &self.floor.map().layers.strength_ut;
                 particles.strength_ut = (0..n)
@@ -96,7 +97,7 @@ impl Tracker {
         self.state.is_oriented = false;
         self.weigh_alike();
         self.weigh();
-        self.estimate_cloud();
+        self.estimate_cloud(Centre::Mean);
     }
 
     /// Places particles without a hint: where the recipe says, and of that where radio makes it likely if it was heard.
@@ -149,13 +150,14 @@ impl Tracker {
             y_m.push((centre.y_m + jitter_m(bits[1])) as f32);
         }
         self.occupy(x_m, y_m);
+        self.state.search = Some(SearchArea::EVERYWHERE);
     }
 
     /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
     pub(super) fn orient(&mut self, event: &StepEvent) {
         self.state.is_oriented = true;
         let start_sd_rad = match self.recipe.motion.heading {
-            HeadingRule::CompensatedCompass => return,
+            HeadingRule::CompensatedCompass | HeadingRule::Compass => return,
             HeadingRule::Gyroscope { start_sd_rad, .. } => start_sd_rad,
             HeadingRule::Pathway(_) => {
                 // The heading before the first: the compass's.

@@ -87,6 +87,8 @@ struct Record: Sendable {
         case "ibeacon_sighting":
             try! batch.ibeaconSighting(
                 timeNs: timeNs, rssiDbm: float(0), uuid: bytes(1), major: UInt16(fields[2])!, minor: UInt16(fields[3])!)
+        case "card_frame":
+            try! batch.cardFrame(timeNs: timeNs, frame: bytes(0))
         case "wifi_sighting":
             try! batch.wifiSighting(timeNs: timeNs, rssiDbm: float(0), bssid: bytes(1))
         default:
