@@ -27,6 +27,7 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
+            spawning: None,
             plan: PlanRule::Purge,
             routes: None,
             magnetic: MagneticRule::History(HistoryParams {
@@ -38,12 +39,13 @@ impl Recipe {
                 counts_once: false,
             }),
             radio: None,
+            beacons: None,
             radar: None,
             ble_filter: None,
             replenish: None,
             resample_below: 0.7,
             resampling: Resampling::Systematic,
-            accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
+            accuracy: AccuracyParams { scale: 1.15, floor_m: 1.3, tail: 1.15 },
         }
     }
 }

@@ -71,6 +71,8 @@ impl Recipe {
             routes: None,
             magnetic: MagneticRule::Strength(StrengthParams::default()),
             radio: None,
+            beacons: None,
+            spawning: None,
             radar: None,
             ble_filter: None,
             replenish: None,
