@@ -97,6 +97,8 @@ pub enum Dataset {
     Tyrex,
     /// The position-annotated BLE collection: ranges, trilateration, fingerprints.
     BleAnnotated,
+    /// UJIIndoorLoc-Mag: whole systems, in metres; its lines survey, its other walks test.
+    UjiMag,
 }
 
 /// Build a building's map from surveyed floors.
@@ -119,6 +121,8 @@ Layouts:
                F1.
   ilc          indoor-location-competition-20: floor_info.json, geojson_map.json,
                and traces/ or path_data_files/.
+  uji-mag      UJIIndoorLoc-Mag: lines/ surveys, curves/ and other folders are left
+               for `evaluate` and `replay`; there is no plan.
 
 See `fieldwalk --help` for the exit codes.")]
 pub struct SurveyArguments {
@@ -126,7 +130,7 @@ pub struct SurveyArguments {
     #[arg(value_name = "DIR", required = true)]
     pub dirs: Vec<PathBuf>,
 
-    /// How the folders are laid out: `recordings` or `ilc` [default: by what they hold].
+    /// How the folders are laid out: `recordings`, `ilc` or `uji-mag` [default: by what they hold].
     #[arg(long, aliases = ["dataset", "dataset-layout"], value_name = "LAYOUT")]
     pub layout: Option<Layout>,
 
@@ -177,7 +181,7 @@ pub struct ReplayArguments {
     pub map: PathBuf,
 
     /// Recordings of any format: MCAP, text traces of indoor-location-competition-20, logs of GetSensorData, exports of
-    /// Sensor Logger.
+    /// Sensor Logger, walks of UJIIndoorLoc-Mag.
     #[arg(value_name = "LOG", required = true)]
     pub traces: Vec<PathBuf>,
 
@@ -234,10 +238,14 @@ Examples:
   fieldwalk evaluate --dataset ble-annotated ble-annotated --json
   fieldwalk evaluate --dataset oxford-steps oxford-steps --plots miscounted
   fieldwalk evaluate --dataset ilc site1 --lengths
+  fieldwalk evaluate --dataset uji-mag uji-mag --start cold
 
-JSON for ilc: one object a floor (\"all\": the floors pooled), system and kind of point.
+JSON for ilc, recordings and uji-mag: one object a floor (\"all\": the floors pooled), system and kind of point.
   dataset, floor, system, start
-  points              \"waypoint\" or \"midpoint\"
+  points              \"waypoint\" or \"midpoint\"; for uji-mag also \"cut_off\": five
+                      moments of each walk, by chance, at least 1.5 m from where
+                      corridors end or meet, the truth lying evenly in time on the
+                      segment walked
   n_walks             test walks, each counted once
   n_points            scored points, each counted once a seed
   n_without_fix       points without a fix, which are not scored
@@ -290,8 +298,8 @@ pub struct EvaluateArguments {
     #[arg(value_name = "DIR", required_unless_present = "print_recipe")]
     pub dirs: Vec<PathBuf>,
 
-    /// The recordings, which say what is scored; the other arguments but --table, --plots and --json are for ilc and
-    /// recordings [default: ilc or recordings, by what the folders hold].
+    /// The recordings, which say what is scored; the other arguments but --table, --plots and --json are for ilc,
+    /// recordings and uji-mag [default: one of these, by what the folders hold].
     #[arg(long, aliases = ["layout", "dataset-layout"], value_name = "NAME")]
     pub dataset: Option<Dataset>,
 
@@ -335,7 +343,7 @@ pub struct EvaluateArguments {
     /// For tyrex: another table of the attitude's feature events, as `fieldwalk train attitude` writes it.
     #[arg(long, value_name = "FILE.json")]
     pub table: Option<PathBuf>,
-    /// For ilc and recordings: score step lengths between waypoints instead of systems.
+    /// For ilc, recordings and uji-mag: score step lengths between waypoints instead of systems.
     #[arg(long)]
     pub lengths: bool,
 

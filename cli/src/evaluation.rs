@@ -1,5 +1,6 @@
 //! Systems scored on recordings: one map per floor from its survey walks, errors on walks that the map has not seen.
 
+mod cut_offs;
 mod floor;
 mod row;
 mod start;

@@ -16,6 +16,8 @@ pub enum Layout {
     Ilc,
     /// The layout for recordings of one's own: `plan.geojson`, and logs beside it or in `survey/` and `test/`.
     Recordings,
+    /// The layout of UJIIndoorLoc-Mag: survey walks in `lines/`, others beside it.
+    UjiMag,
 }
 
 /// The file that makes a folder a floor's in the layout for recordings.
@@ -74,16 +76,18 @@ impl Layout {
         match self {
             Self::Ilc => "ilc",
             Self::Recordings => "recordings",
+            Self::UjiMag => "uji-mag",
         }
     }
 
-    /// The layout of `dirs`, by the plans that lie in them or in the folders below.
+    /// The layout of `dirs`, by what lies in them or in the folders below.
     pub fn of(dirs: &[PathBuf]) -> Self {
-        let has_plan = |dir: &PathBuf| {
-            Self::Recordings.is_floor(dir)
-                || folders_in(dir).is_ok_and(|below| below.iter().any(|dir| Self::Recordings.is_floor(dir)))
+        let holds = |layout: Self, dir: &PathBuf| {
+            layout.is_floor(dir)
+                || folders_in(dir).is_ok_and(|below| below.iter().any(|dir| layout.is_floor(dir)))
         };
-        if dirs.iter().any(has_plan) { Self::Recordings } else { Self::Ilc }
+        let is_layout = |layout: &Self| dirs.iter().any(|dir| holds(*layout, dir));
+        [Self::Recordings, Self::UjiMag].into_iter().find(is_layout).unwrap_or(Self::Ilc)
     }
 
     fn is_floor(self, dir: &Path) -> bool {
@@ -95,6 +99,7 @@ impl Layout {
         match self {
             Self::Ilc => &["floor_info.json", "geojson_map.json", "path_data_files", "traces"],
             Self::Recordings => &[PLAN_FILE],
+            Self::UjiMag => &["lines"],
         }
     }
 
@@ -107,6 +112,7 @@ impl Layout {
             Self::Recordings => {
                 "give a floor's folder, with plan.geojson and recordings, or a folder of such folders"
             }
+            Self::UjiMag => "give the unpacked folder of UJIIndoorLoc-Mag, with lines/ and curves/",
         }
     }
 }

@@ -294,6 +294,7 @@ mod tests {
                 detector.push_step(&StepFinding {
                     cycle: StepCycle { start, end, frequency_hz: 2.0, amplitude_m_s2: 6.0, is_first: false },
                     is_stride: false,
+                    is_under_way: false,
                     n_held: 0,
                     is_confirmed: true,
                     starts_walk: false,
@@ -424,6 +425,7 @@ mod tests {
             detector.push_step(&StepFinding {
                 cycle,
                 is_stride: k % 5 == 0,
+                is_under_way: false,
                 n_held: 0,
                 is_confirmed: k % 3 == 0,
                 starts_walk: false,

@@ -81,6 +81,14 @@ impl Georeference {
             self.origin_longitude_deg + p.x_m * self.longitude_deg_per_m,
         )
     }
+
+    /// The point at a latitude and longitude in degrees.
+    pub fn point(&self, latitude_deg: f64, longitude_deg: f64) -> Point2 {
+        Point2::new(
+            (longitude_deg - self.origin_longitude_deg) / self.longitude_deg_per_m,
+            (latitude_deg - self.origin_latitude_deg) / self.latitude_deg_per_m,
+        )
+    }
 }
 
 impl FloorPlan {

@@ -1,6 +1,12 @@
 //! Which way a wearer's samples become steps: by what is worn.
 
+mod standing;
+mod waist;
+
 use serde::{Deserialize, Serialize};
+
+pub use standing::StandingPhone;
+pub use waist::WaistFrontEnd;
 
 use crate::attitude::AttitudeEstimate;
 use crate::card::{CardCounts, CardFrontEnd};
@@ -16,6 +22,10 @@ pub enum FrontEndRule {
     Phone,
     /// An ID card, by its frames; a phone's samples are read as a card would read its sensors: [`CardFrontEnd`].
     Card,
+    /// A phone that also tells of every second in which its wearer stands: [`StandingPhone`].
+    StandingPhone,
+    /// A wearable at the waist, whose field says nothing but the heading: [`WaistFrontEnd`].
+    Waist,
 }
 
 /// Samples in, steps out, as the recipe's [`FrontEndRule`] says.
@@ -25,6 +35,10 @@ pub enum FrontEnd {
     Phone(Box<Pedestrian>),
     /// Of [`FrontEndRule::Card`].
     Card(Box<CardFrontEnd>),
+    /// Of [`FrontEndRule::StandingPhone`].
+    StandingPhone(Box<StandingPhone>),
+    /// Of [`FrontEndRule::Waist`].
+    Waist(Box<WaistFrontEnd>),
 }
 
 impl FrontEnd {
@@ -33,6 +47,10 @@ impl FrontEnd {
         match rule {
             FrontEndRule::Phone => Self::Phone(Box::new(Pedestrian::new(PedestrianParams::default()))),
             FrontEndRule::Card => Self::Card(Box::default()),
+            FrontEndRule::StandingPhone => {
+                Self::StandingPhone(Box::new(StandingPhone::new(PedestrianParams::default())))
+            }
+            FrontEndRule::Waist => Self::Waist(Box::default()),
         }
     }
 
@@ -41,6 +59,8 @@ impl FrontEnd {
         match self {
             Self::Phone(_) => FrontEndRule::Phone,
             Self::Card(_) => FrontEndRule::Card,
+            Self::StandingPhone(_) => FrontEndRule::StandingPhone,
+            Self::Waist(_) => FrontEndRule::Waist,
         }
     }
 
@@ -49,13 +69,15 @@ impl FrontEnd {
         match self {
             Self::Phone(pedestrian) => pedestrian.push(sample),
             Self::Card(card) => card.push(sample),
+            Self::StandingPhone(phone) => phone.push(sample),
+            Self::Waist(waist) => waist.push(sample),
         }
     }
 
     /// The next step that the last sample completed beside the one that it returned.
     pub fn pop(&mut self) -> Option<StepEvent> {
         match self {
-            Self::Phone(_) => None,
+            Self::Phone(_) | Self::StandingPhone(_) | Self::Waist(_) => None,
             Self::Card(card) => card.pop(),
         }
     }
@@ -63,7 +85,7 @@ impl FrontEnd {
     /// What became of a card's frames; nothing where none are read.
     pub fn card_counts(&self) -> Option<CardCounts> {
         match self {
-            Self::Phone(_) => None,
+            Self::Phone(_) | Self::StandingPhone(_) | Self::Waist(_) => None,
             Self::Card(card) => Some(card.counts()),
         }
     }
@@ -73,6 +95,8 @@ impl FrontEnd {
         match self {
             Self::Phone(pedestrian) => pedestrian.level_heading_rad(),
             Self::Card(card) => card.heading_rad(),
+            Self::StandingPhone(phone) => phone.pedestrian().level_heading_rad(),
+            Self::Waist(waist) => waist.heading_rad(),
         }
     }
 
@@ -80,7 +104,8 @@ impl FrontEnd {
     pub fn attitude(&self) -> AttitudeEstimate {
         match self {
             Self::Phone(pedestrian) => pedestrian.attitude(),
-            Self::Card(_) => AttitudeEstimate::default(),
+            Self::StandingPhone(phone) => phone.pedestrian().attitude(),
+            Self::Card(_) | Self::Waist(_) => AttitudeEstimate::default(),
         }
     }
 }

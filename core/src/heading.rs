@@ -25,6 +25,8 @@ pub use pathway::{PathwayParams, Pathways, WayGrid, pathway_heading_rad};
 pub use scalar_kalman::{ScalarKalman, ScalarKalmanParams, WilaHeading};
 pub use walk_direction::{WalkAxis, WalkAxisEstimator};
 
+use serde::{Deserialize, Serialize};
+
 use crate::rotation::Quaternion;
 use crate::sensor::{Reading, Sample};
 
@@ -52,7 +54,7 @@ pub fn heading_error_rad(estimate: Quaternion, truth: Quaternion) -> f64 {
 }
 
 /// The field as the phone corrects it: from the uncalibrated stream, once there is one.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct FieldStream {
     has_uncalibrated: bool,
 }

@@ -2,6 +2,7 @@
 
 mod fingerprints;
 mod index;
+mod surveyed_ways;
 
 pub use fingerprints::Fingerprints;
 pub use index::FloorIndex;
@@ -9,7 +10,7 @@ pub use index::FloorIndex;
 use serde::{Deserialize, Serialize};
 
 use crate::floor_plan::FloorPlan;
-use crate::geometry::Point2;
+use crate::geometry::{Point2, Segment};
 use crate::sensor::TransmitterId;
 
 /// A regular grid over the floor: node `(i, j)` lies at `origin + (i, j)·cell_m`, values stand at nodes.
@@ -116,6 +117,24 @@ impl GridFrame {
     /// Position of node `(i, j)`.
     pub fn node(&self, i: usize, j: usize) -> Point2 {
         self.origin + Point2::new(i as f64 * self.cell_m, j as f64 * self.cell_m)
+    }
+
+    /// The nodes of the rectangle round `segment` that is larger than it by `reach_m` on each side, with their positions.
+    pub(crate) fn nodes_near(
+        &self,
+        segment: &Segment,
+        reach_m: f64,
+    ) -> impl Iterator<Item = (usize, Point2)> + use<> {
+        let frame = *self;
+        let range = |low_m: f64, high_m: f64, origin_m: f64, n: usize| {
+            let first = ((low_m - reach_m - origin_m) / frame.cell_m).ceil().max(0.0) as usize;
+            let end = ((high_m + reach_m - origin_m) / frame.cell_m).floor() + 1.0;
+            first..(end.max(0.0) as usize).min(n)
+        };
+        let (a, b) = (segment.a, segment.b);
+        let columns = range(a.x_m.min(b.x_m), a.x_m.max(b.x_m), frame.origin.x_m, frame.nx);
+        let rows = range(a.y_m.min(b.y_m), a.y_m.max(b.y_m), frame.origin.y_m, frame.ny);
+        rows.flat_map(move |j| columns.clone().map(move |i| (j * frame.nx + i, frame.node(i, j))))
     }
 }
 

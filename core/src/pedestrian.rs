@@ -159,6 +159,14 @@ impl Pedestrian {
         libm::atan2f(self.last_forward[0], self.last_forward[1])
     }
 
+    /// An event without steps, of what was measured since the last step; `start` and `end` say which time it stands for.
+    pub(crate) fn standing(&self, start: Timestamp, end: Timestamp) -> StepEvent {
+        let cycle = StepCycle { start, end, frequency_hz: 0.0, amplitude_m_s2: 0.0, is_first: false };
+        let strength_ut = self.magnetometer.smoothed_strength_ut;
+        let features = self.sums.features(self.last_forward, strength_ut, self.attitude.estimate());
+        StepEvent { n_steps: 0, ..features.of_step(cycle) }
+    }
+
     fn push_force(&mut self, time: Timestamp, force: [f32; 3]) {
         let level_force = self.level.push_specific_force(time, force);
         if let Some(forward) = self.level.forward() {

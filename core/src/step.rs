@@ -6,6 +6,7 @@
 
 mod card;
 mod extrema;
+mod fixed_array;
 mod fixed_rate;
 mod length;
 mod length_scale;
@@ -50,6 +51,8 @@ pub struct StepFinding {
     pub cycle: StepCycle,
     /// Whether the peaks are those of a swinging limb, one in two steps: the cycle then counts for two.
     pub is_stride: bool,
+    /// Whether it is the first of a recording that began amid a walk: its cycle then lasts since the recording began.
+    pub is_under_way: bool,
     /// Steps before this one that were held back and still may count; older ones do not.
     pub n_held: u8,
     /// Whether this step, and those held back before it, count.
@@ -84,7 +87,8 @@ impl StepCycle {
 impl StepFinding {
     /// A step that counts at once.
     fn immediate(cycle: StepCycle) -> Self {
-        Self { cycle, is_stride: false, n_held: 0, is_confirmed: true, starts_walk: cycle.is_first }
+        let (is_stride, is_under_way, is_confirmed) = (false, false, true);
+        Self { cycle, is_stride, is_under_way, n_held: 0, is_confirmed, starts_walk: cycle.is_first }
     }
 }
 

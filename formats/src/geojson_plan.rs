@@ -21,7 +21,7 @@ use self::placement::{Placement, PlanMember};
 use crate::error::FormatError;
 
 pub use ilc::read_ilc_plan;
-pub(crate) use placement::metres_per_degree;
+pub(crate) use placement::georeference_at;
 pub use write::write_plan;
 
 /// Reads a floor plan from a GeoJSON feature collection.

@@ -14,7 +14,7 @@ use fieldwalk::floor_plan::Georeference;
 
 use self::line::{Line, Position};
 use crate::error::FormatError;
-use crate::geojson_plan::metres_per_degree;
+use crate::geojson_plan::georeference_at;
 use crate::ilc::{LineFault, LineRejections};
 use crate::recording::Record;
 use crate::text_lines::{Advance, MAX_LINE_BYTES, TextLines};
@@ -138,18 +138,9 @@ impl<R: BufRead> GetSensorDataReader<R> {
             0.. => format!("F{}", floor + 1),
             _ => format!("B{}", -floor),
         });
-        let georeference = self.georeference.get_or_insert_with(|| {
-            let [east_m, north_m] = metres_per_degree(latitude_deg);
-            Georeference {
-                origin_latitude_deg: latitude_deg,
-                origin_longitude_deg: longitude_deg,
-                latitude_deg_per_m: 1.0 / north_m,
-                longitude_deg_per_m: 1.0 / east_m,
-            }
-        });
-        let x_m = (longitude_deg - georeference.origin_longitude_deg) / georeference.longitude_deg_per_m;
-        let y_m = (latitude_deg - georeference.origin_latitude_deg) / georeference.latitude_deg_per_m;
-        Record::Waypoint { time, point: fieldwalk::geometry::Point2::new(x_m, y_m) }
+        let georeference =
+            self.georeference.get_or_insert_with(|| georeference_at([latitude_deg, longitude_deg]));
+        Record::Waypoint { time, point: georeference.point(latitude_deg, longitude_deg) }
     }
 
     fn foreign(&self) -> FormatError {

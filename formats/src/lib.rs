@@ -15,6 +15,7 @@ pub mod oxford_steps;
 pub mod recording;
 pub mod sensor_logger;
 pub mod tyrex;
+pub mod uji_mag;
 
 mod comma_rows;
 mod text_lines;

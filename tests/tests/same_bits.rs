@@ -142,8 +142,8 @@ fn a_second_run_gives_the_same_fixes() {
 
 #[test]
 fn another_seed_gives_other_fixes() {
-    // RADAR draws nothing once it has matched.
-    for recipe in recipes().into_iter().filter(|recipe| recipe.radar.is_none()) {
+    // RADAR draws nothing once it has matched, and the nearest neighbour never.
+    for recipe in recipes().into_iter().filter(|recipe| recipe.radar.is_none() && recipe.name != "nearest") {
         let run = |seed: u64| {
             let mut positioner = Positioner::new(Arc::clone(&WORLD.floor), recipe.clone(), seed);
             positioner.hint(WORLD.walk.hint(Point2::default()).unwrap()).unwrap();

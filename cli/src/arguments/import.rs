@@ -17,7 +17,8 @@ Examples:
       # a log with waypoints in degrees needs the plan that places them
 
 Formats, told apart by content: text traces of indoor-location-competition-20,
-logs of GetSensorData, exports of Sensor Logger, MCAP.
+logs of GetSensorData, exports of Sensor Logger, walks of UJIIndoorLoc-Mag,
+MCAP.
 
 JSON: one object a log.
   log, recording      the files

@@ -27,7 +27,8 @@ pub struct ReportArguments {
     #[arg(value_name = "MAPDIR")]
     pub map: PathBuf,
 
-    /// Recordings: MCAP, text traces of indoor-location-competition-20, GetSensorData logs.
+    /// Recordings: MCAP, text traces of indoor-location-competition-20, GetSensorData logs,
+    /// exports of Sensor Logger, walks of UJIIndoorLoc-Mag.
     #[arg(value_name = "TRACE", required = true)]
     pub traces: Vec<PathBuf>,
 

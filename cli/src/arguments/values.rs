@@ -47,10 +47,10 @@ impl FromStr for Layout {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        [Self::Ilc, Self::Recordings]
+        [Self::Ilc, Self::Recordings, Self::UjiMag]
             .into_iter()
             .find(|layout| layout.name() == text)
-            .ok_or_else(|| "expected `recordings` or `ilc`".into())
+            .ok_or_else(|| "expected `recordings`, `ilc` or `uji-mag`".into())
     }
 }
 

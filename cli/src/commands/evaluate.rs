@@ -32,9 +32,11 @@ pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), St
         Some(Dataset::Recordings) if arguments.lengths => {
             walker::run_segments(arguments, Layout::Recordings, out)
         }
+        Some(Dataset::UjiMag) if arguments.lengths => walker::run_segments(arguments, Layout::UjiMag, out),
         None => score_systems(arguments, Layout::of(&arguments.dirs), out),
         Some(Dataset::Ilc) => score_systems(arguments, Layout::Ilc, out),
         Some(Dataset::Recordings) => score_systems(arguments, Layout::Recordings, out),
+        Some(Dataset::UjiMag) => score_systems(arguments, Layout::UjiMag, out),
         Some(Dataset::OxfordSteps) => walker::run_oxford_steps(arguments, out),
         Some(Dataset::BleAnnotated) => walker::run(walker_evaluation::ble_annotated::score, arguments, out),
         Some(Dataset::Tyrex) => {
@@ -197,11 +199,16 @@ fn print_tables(rows: &[Row], has_several_floors: bool, out: &mut impl Write) ->
     let Some(first) = rows.first() else { return Ok(()) };
     let seeds = if first.seeds == 1 { "seed" } else { "seeds" };
     writeln!(out, "{}, start {}, {} {seeds}; errors in metres", first.dataset, first.start, first.seeds)?;
-    for (kind, title) in
-        [(PointKind::Waypoint, "At waypoints"), (PointKind::Midpoint, "Midway between waypoints")]
-    {
+    for (kind, title) in [
+        (PointKind::Waypoint, "At waypoints"),
+        (PointKind::Midpoint, "Midway between waypoints"),
+        (PointKind::CutOff, "At cut-offs"),
+    ] {
         let shown = |row: &&Row| row.points == kind && (has_several_floors || row.floor != ALL);
         let shown: Vec<&Row> = rows.iter().filter(shown).collect();
+        if shown.is_empty() && kind == PointKind::CutOff {
+            continue;
+        }
         writeln!(out, "\n{title}\n{}", error_table(&shown).trim_fmt())?;
     }
     Ok(())

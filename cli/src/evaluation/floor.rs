@@ -125,7 +125,8 @@ impl Evaluation {
         floor: &Floor,
         path: &Path,
     ) -> Result<Option<ScoredWalk>, FormatError> {
-        let Some(walk) = TestWalk::read(path, floor.plan.georeference)? else { return Ok(None) };
+        let nodes = floor.nodes.as_deref();
+        let Some(walk) = TestWalk::read(path, floor.plan.georeference, nodes)? else { return Ok(None) };
         let with_seeds =
             |recipe| self.seeds.iter().map(|&seed| score(index, recipe, self.start, seed, &walk)).collect();
         let scores = self.recipes.iter().map(with_seeds).collect();

@@ -13,13 +13,15 @@ pub enum PointKind {
     Waypoint,
     /// Midway between two waypoints, by the steps made.
     Midpoint,
+    /// At a moment inside a walk, chosen by chance.
+    CutOff,
     /// At any time of a simulated walk.
     Truth,
 }
 
 impl PointKind {
     /// All, in the order in which tables list them.
-    pub const ALL: [Self; 3] = [Self::Waypoint, Self::Midpoint, Self::Truth];
+    pub const ALL: [Self; 4] = [Self::Waypoint, Self::Midpoint, Self::CutOff, Self::Truth];
 }
 
 /// One line of the table.

@@ -18,6 +18,7 @@ use fieldwalk_formats::error::FormatError;
 use fieldwalk_formats::recording::Record;
 use rand::RngExt;
 
+use crate::evaluation::cut_offs::cut_offs;
 use crate::evaluation::{PointKind, Start};
 use crate::report::{Truth, Walk, WalkRecorder};
 use crate::walks::ReadWalk;
@@ -60,9 +61,15 @@ pub struct WalkScore {
 impl TestWalk {
     /// Reads a log of any format, its waypoints in degrees placed at `georeference`; nothing when it has no two waypoints.
     ///
+    /// Where `nodes` are given, the walk is also scored at five moments away from them: its cut-offs.
+    ///
     /// # Errors
     /// When the file cannot be read or is no log, or its waypoints cannot be placed.
-    pub fn read(path: &Path, georeference: Option<Georeference>) -> Result<Option<Self>, FormatError> {
+    pub fn read(
+        path: &Path,
+        georeference: Option<Georeference>,
+        nodes: Option<&[Point2]>,
+    ) -> Result<Option<Self>, FormatError> {
         let mut samples = Vec::new();
         let read = ReadWalk::open_with(path, georeference, |record| {
             if let Record::Sample(sample) = record {
@@ -71,7 +78,9 @@ impl TestWalk {
         })?;
         let Some(track) = SurveyTrack::of(&read.walk) else { return Ok(None) };
         let start = track.waypoints()[0];
-        let truth = truth_points(&track);
+        let mut truth = truth_points(&track);
+        truth.extend(nodes.into_iter().flat_map(|nodes| cut_offs(path, track.waypoints(), nodes)));
+        truth.sort_by_key(|truth| truth.time);
         // The reader has ordered them but for the odd record that came very late: scoring stops at instants.
         samples.sort_by_key(|sample| sample.time);
         let line = Truth::of_track(&track);

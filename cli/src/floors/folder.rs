@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use fieldwalk::floor_plan::FloorPlan;
+use fieldwalk::geometry::Point2;
 use fieldwalk_formats::ilc::{self, is_floor_name};
+use fieldwalk_formats::uji_mag::UjiMagCollection;
 use fieldwalk_formats::{FormatError, read_plan};
 
 use super::{Layout, PLAN_FILE};
@@ -22,6 +24,8 @@ pub struct Floor {
     pub traces: Vec<PathBuf>,
     /// The logs of the walks set aside to test with, where the folder tells them apart.
     pub test_traces: Option<Vec<PathBuf>>,
+    /// Where corridors end or meet, where walks are to be scored at cut-offs away from there.
+    pub nodes: Option<Vec<Point2>>,
 }
 
 /// The folder of the walks to map; where there is none, logs lie beside the plan.
@@ -42,20 +46,15 @@ impl Floor {
         match layout {
             Layout::Ilc => {
                 let ilc::Floor { site, name, plan, traces } = ilc::Floor::open(dir)?;
-                Ok(Self { site, name, plan, traces, test_traces: None })
+                Ok(Self { site, name, plan, traces, test_traces: None, nodes: None })
             }
             Layout::Recordings => Self::open_recordings(dir),
+            Layout::UjiMag => Self::open_uji_mag(dir),
         }
     }
 
     fn open_recordings(dir: &Path) -> Result<Self, FormatError> {
-        let absolute = dir.canonicalize().map_err(|error| FormatError::io("open the floor", dir, error))?;
-        let name_of = |path: Option<&Path>| {
-            path.and_then(Path::file_name)
-                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-        };
-        let (own, above) = (name_of(Some(&absolute)), name_of(absolute.parent()));
-        let (site, name) = if is_floor_name(&own) { (above, own) } else { (own, ONLY_FLOOR.to_owned()) };
+        let (site, name) = names(dir)?;
         let plan_file = dir.join(PLAN_FILE);
         let plan =
             fs::read(&plan_file).map_err(|error| FormatError::io("read the plan", &plan_file, error))?;
@@ -63,8 +62,24 @@ impl Floor {
         let (survey, test) = (dir.join(SURVEY_DIR), dir.join(TEST_DIR));
         let traces = logs_in(if survey.is_dir() { &survey } else { dir })?;
         let test_traces = if test.is_dir() { Some(logs_in(&test)?) } else { None };
-        Ok(Self { site, name, plan, traces, test_traces })
+        Ok(Self { site, name, plan, traces, test_traces, nodes: None })
     }
+
+    fn open_uji_mag(dir: &Path) -> Result<Self, FormatError> {
+        let (site, name) = names(dir)?;
+        let UjiMagCollection { lines, walks, plan, nodes } = UjiMagCollection::open(dir)?;
+        Ok(Self { site, name, plan, traces: lines, test_traces: Some(walks), nodes: Some(nodes) })
+    }
+}
+
+/// The building's and the floor's name, by the folder `dir` and the one above it.
+fn names(dir: &Path) -> Result<(String, String), FormatError> {
+    let absolute = dir.canonicalize().map_err(|error| FormatError::io("open the floor", dir, error))?;
+    let name_of = |path: Option<&Path>| {
+        path.and_then(Path::file_name).map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
+    let (own, above) = (name_of(Some(&absolute)), name_of(absolute.parent()));
+    Ok(if is_floor_name(&own) { (above, own) } else { (own, ONLY_FLOOR.to_owned()) })
 }
 
 /// The logs in `dir`, sorted by name: `*.mcap`, `*.txt`, `*.json`, and folders of Sensor Logger.

@@ -74,7 +74,7 @@ impl ScalarKalman {
 ///
 /// The paper's wearable sits upright at the waist, so one axis of the gyroscope turns about the vertical. Here the
 /// rate is how fast the gyroscope turns the device's most horizontal axis, and the azimuth is that axis's.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WilaHeading {
     params: ScalarKalmanParams,
     level: LevelEstimator,
@@ -100,11 +100,27 @@ impl WilaHeading {
         }
     }
 
-    fn push_field(&mut self, field_ut: [f32; 3]) {
+    /// The level frame that it keeps.
+    pub(crate) fn level(&self) -> &LevelEstimator {
+        &self.level
+    }
+
+    /// Sine and cosine of the heading of the device's forward axis, clockwise from magnetic north: the level frame's own
+    /// direction as long as no field was read.
+    pub(crate) fn forward(&self) -> Option<[f32; 2]> {
+        let [x, y] = self.level.forward()?;
+        let offset_rad = self.filter.map_or(0.0, |filter| filter.heading_rad - self.level_heading_rad);
+        let heading_rad = libm::atan2(f64::from(x), f64::from(y)) + offset_rad;
+        let (sin, cos) = libm::sincos(heading_rad);
+        Some([sin as f32, cos as f32])
+    }
+
+    fn push_field(&mut self, time: Timestamp, field_ut: [f32; 3]) {
         let Some(level_from_device) = self.level.level_from_device() else { return };
         let up = level_from_device.rotate_back([0.0, 0.0, 1.0]);
         let Some(measured) = earth_from_device(up, field_ut.map(f64::from)) else { return };
-        match &mut self.filter {
+        // Without a gyroscope nothing predicts, and the compass alone is the heading.
+        match self.filter.as_mut().filter(|_| self.level.has_gyroscope(time)) {
             Some(filter) => filter.correct(axis_heading_rad(measured, unit(self.axis))),
             None => {
                 self.axis = most_horizontal(level_from_device);
@@ -150,7 +166,7 @@ impl HeadingEstimator for WilaHeading {
             }
             reading => {
                 if let Some(field_ut) = self.field.corrected_ut(&reading) {
-                    self.push_field(field_ut);
+                    self.push_field(sample.time, field_ut);
                 }
             }
         }

@@ -4,6 +4,7 @@ mod reads;
 
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{Point2, Segment};
+use crate::map::surveyed_ways::SurveyedWays;
 use crate::map::{Fingerprints, FloorMap, GridFrame, Layers};
 
 use reads::ReadGrid;
@@ -32,6 +33,7 @@ pub struct FloorIndex {
     field: Vec<[f32; 4]>,
     /// Sine and cosine of the compass deviation per node; empty when the map has no such layer.
     deviation_sin_cos: Vec<[f32; 2]>,
+    ways: SurveyedWays,
     /// Direction of the mean compass deviation, in radians.
     mean_deviation_rad: f32,
     reads: ReadGrid,
@@ -83,6 +85,7 @@ impl FloorIndex {
             field,
             mean_deviation_rad: mean_direction_rad(&map.layers.compass_deviation_rad),
             deviation_sin_cos: sines_and_cosines(&map.layers.compass_deviation_rad),
+            ways: SurveyedWays::of(&map),
             reads: ReadGrid::new(&map.layers, n),
             grid: GridLookup::new(&map.frame),
             ground: rasterised(&map.plan, &ground_frame),
@@ -157,6 +160,19 @@ impl FloorIndex {
     pub fn deviation_sin_cos(&self, x_m: f32, y_m: f32) -> Option<[f32; 2]> {
         let [sin, cos] = *self.deviation_sin_cos.get(self.grid.nearest(x_m, y_m)?)?;
         (!sin.is_nan()).then_some([sin, cos])
+    }
+
+    /// How far a direction, clockwise from +y, lies across the surveyed lines at the nearest node: 0 along them, off
+    /// them, or where they run in several directions, to 1 right across lines that all run one way.
+    #[inline]
+    pub fn across_ways(&self, x_m: f32, y_m: f32, sin: f32, cos: f32) -> f32 {
+        self.grid.nearest(x_m, y_m).map_or(0.0, |node| self.ways.across(node, sin, cos))
+    }
+
+    /// The distance within which 95 of a hundred surveyed lines have a line of another walk, in metres, at least half a
+    /// metre; infinite for fewer than two walks. In corridors it is small, in halls large.
+    pub fn way_band_m(&self) -> f32 {
+        self.ways.band_m()
     }
 
     /// Whether one may stand there by the plan: on the floor and outside every closed unit.

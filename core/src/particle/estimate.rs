@@ -27,6 +27,18 @@ pub struct CloudEstimate {
     pub effective_sample_size: f64,
 }
 
+/// What the cloud's position is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Centre {
+    /// The weighted mean.
+    Mean,
+    /// The heaviest particle; of equals the first.
+    ///
+    /// # Source
+    /// Song 2014, §3.
+    Heaviest,
+}
+
 /// Memory for [`CloudEstimate::of`].
 #[derive(Clone, Debug)]
 pub struct EstimateScratch {
@@ -41,7 +53,20 @@ impl Default for EstimateScratch {
 
 impl CloudEstimate {
     /// The estimate of `particles` under `weights` (any positive scale); nothing when the weights sum to zero.
+    ///
+    /// # Source
+    /// iBILL 2017, Eq. 14, and the other papers alike: the weighted mean.
     pub fn of(particles: &Particles, weights: &[f32], scratch: &mut EstimateScratch) -> Option<Self> {
+        Self::centred(Centre::Mean, particles, weights, scratch)
+    }
+
+    /// The same about another centre: position, covariance and radii are about it.
+    pub fn centred(
+        centre: Centre,
+        particles: &Particles,
+        weights: &[f32],
+        scratch: &mut EstimateScratch,
+    ) -> Option<Self> {
         let (mut total, mut square, mut x, mut y, mut sin, mut cos) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         for (i, &w) in weights.iter().enumerate() {
             let w = f64::from(w);
@@ -55,7 +80,14 @@ impl CloudEstimate {
         if !(total > 0.0 && total.is_finite()) {
             return None;
         }
-        let (x, y) = (x / total, y / total);
+        let (x, y) = match centre {
+            Centre::Mean => (x / total, y / total),
+            Centre::Heaviest => {
+                let best =
+                    (0..weights.len()).fold(0, |best, i| if weights[i] > weights[best] { i } else { best });
+                (f64::from(particles.x_m[best]), f64::from(particles.y_m[best]))
+            }
+        };
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         scratch.histogram.fill(0.0);
         for (i, &w) in weights.iter().enumerate() {

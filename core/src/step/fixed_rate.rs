@@ -1,25 +1,30 @@
 //! A signal read at a fixed rate, from samples that come as they please.
 
+use serde::{Deserialize, Serialize};
+
+use crate::step::fixed_array;
 use crate::time::{Duration, Timestamp};
 
 /// Reads `N` channels at a fixed rate by linear interpolation between samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct FixedRate<const N: usize> {
     period: Duration,
     max_gap: Duration,
-    last: Option<(Timestamp, [f32; N])>,
+    last_time: Option<Timestamp>,
+    #[serde(with = "fixed_array")]
+    last: [f32; N],
     next: Timestamp,
 }
 
 impl<const N: usize> FixedRate<N> {
     /// Reads every `period`; a gap longer than `max_gap` is not read across.
     pub(super) fn new(period: Duration, max_gap: Duration) -> Self {
-        Self { period, max_gap, last: None, next: Timestamp::MIN }
+        Self { period, max_gap, last_time: None, last: [0.0; N], next: Timestamp::MIN }
     }
 
     /// Whether a sample at `time` does not continue the last: it is the first, or comes after a gap.
     pub(super) fn starts_anew(&self, time: Timestamp) -> bool {
-        self.last.is_none_or(|(last, _)| {
+        self.last_time.is_none_or(|last| {
             let gap = time - last;
             gap > self.max_gap || gap.as_nanos() < -self.max_gap.as_nanos()
         })
@@ -35,11 +40,12 @@ impl<const N: usize> FixedRate<N> {
         values: [f32; N],
         mut read: impl FnMut(Timestamp, [f32; N]),
     ) {
-        let continued = self.last.filter(|_| !self.starts_anew(time));
-        let Some((last_time, last)) = continued else {
+        let continued = self.last_time.filter(|_| !self.starts_anew(time));
+        let last = self.last;
+        let Some(last_time) = continued else {
             read(time, values);
             self.next = time + self.period;
-            self.last = Some((time, values));
+            (self.last_time, self.last) = (Some(time), values);
             return;
         };
         if time <= last_time {
@@ -55,7 +61,7 @@ impl<const N: usize> FixedRate<N> {
             read(self.next, reading);
             self.next = self.next + self.period;
         }
-        self.last = Some((time, values));
+        (self.last_time, self.last) = (Some(time), values);
     }
 }
 

@@ -2,6 +2,10 @@
 
 use core::f64::consts::{PI, TAU};
 
+use serde::{Deserialize, Serialize};
+
+use crate::step::fixed_array;
+
 /// A windowed-sinc low-pass filter with a circular buffer, of unit gain at rest and linear phase.
 ///
 /// The gain at the cut-off is one half (-6 dB); the delay is half the number of taps less one.
@@ -9,10 +13,12 @@ use core::f64::consts::{PI, TAU};
 /// # Source
 /// WILA 2016, Eq. 1: `y_n = Σ h_k·x_{n−k}` with 51 taps and a cut-off of 5 Hz at 50 Hz, in a circular buffer. The paper
 /// does not give the coefficients; these are the sinc function under a Hamming window.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LowPassFir<const TAPS: usize> {
+    #[serde(with = "fixed_array")]
     taps: [f32; TAPS],
     /// Inputs, the latest before `next`.
+    #[serde(with = "fixed_array")]
     inputs: [f32; TAPS],
     next: usize,
     is_filled: bool,
@@ -54,8 +60,10 @@ impl<const TAPS: usize> LowPassFir<TAPS> {
             self.inputs = [input; TAPS];
             self.is_filled = true;
         }
-        self.inputs[self.next] = input;
-        self.next = (self.next + 1) % TAPS;
+        // Within the buffer even where a torn snapshot says otherwise.
+        let at = self.next % TAPS;
+        self.inputs[at] = input;
+        self.next = (at + 1) % TAPS;
         // From the oldest input, which `next` is at, round to the latest; the taps are symmetric.
         let (newer, older) = self.inputs.split_at(self.next);
         let mut sum = 0.0;

@@ -91,7 +91,7 @@ pub struct PhoneStepDetector {
     rhythm: Rhythm,
 }
 
-/// The filtered acceleration, and what is known of it.
+/// The filtered acceleration since the recording or its last gap began, and what is known of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Signal {
     /// After one and two low-pass stages: the two horizontal axes, then the vertical one without gravity.
@@ -102,6 +102,10 @@ struct Signal {
     horizontal_m2_s4: f32,
     vertical_m2_s4: f32,
     extrema: Extrema,
+    /// When it began, when it was last lively, and whether the wearer has been seen to stand.
+    began: Timestamp,
+    last_lively: Timestamp,
+    has_stood: bool,
 }
 
 /// Time constants of the horizontal axes' slow part (half a hertz) and of the mean squares, in seconds.
@@ -117,6 +121,8 @@ const MAX_FAST: u8 = 1;
 const MAX_SILENCE_S: f32 = 1.0;
 /// A stride lasts at least this many mean periods.
 const STRIDE_SHARE: f32 = 1.5;
+/// Who stands has no vertical acceleration for this long, in seconds; a step crosses zero within less.
+const STILL_S: f64 = 0.45;
 /// A peak sooner than this share of the mean period is early, and after half of it as early as can be.
 const EARLY_SHARE: f32 = 0.75;
 
@@ -205,15 +211,24 @@ impl PhoneStepDetector {
             return None;
         }
         let verdict = self.rhythm.judge(&self.params.rhythm, period_s, amplitude, n_steps);
-        let cycle_s = since_s.unwrap_or(self.params.first_period_s);
+        let under_way_s = if since_s.is_none() { self.under_way_s(peak) } else { None };
+        let cycle_s = since_s.or(under_way_s).unwrap_or(self.params.first_period_s);
         let cycle = StepCycle::between(peak - Duration::from_secs_f64(cycle_s), peak, amplitude);
         Some(StepFinding {
-            cycle: StepCycle { is_first: since_s.is_none(), ..cycle },
+            cycle: StepCycle { is_first: since_s.or(under_way_s).is_none(), ..cycle },
+            is_under_way: under_way_s.is_some(),
             is_stride,
             n_held: verdict.n_held,
             is_confirmed: verdict.is_confirmed,
             starts_walk: verdict.starts_walk,
         })
+    }
+
+    /// How long the wearer has walked by the first peak when the recording began amid a walk: nobody stood before it.
+    fn under_way_s(&self, peak: Timestamp) -> Option<f64> {
+        let signal = self.signal.filter(|signal| !signal.has_stood)?;
+        let walked_s = peak.secs_since(signal.began);
+        (walked_s <= self.params.max_period_s).then(|| walked_s.max(f64::from(self.params.min_mean_period_s)))
     }
 
     /// The least amplitude of a step so long after the last: early ones must be nearly as strong as the mean.
@@ -255,6 +270,7 @@ impl StepDetector for PhoneStepDetector {
         };
         let params = &self.params;
         let vertical = signal.update(input, dt_s, params.cutoff_hz);
+        signal.watch(time, vertical, 0.5 * params.min_amplitude_m_s2);
         let hysteresis = (0.3 * self.mean_amplitude_m_s2).max(0.5 * params.min_amplitude_m_s2);
         match signal.extrema.push(time, vertical, hysteresis) {
             Some(Turn::Peak { time: peak, amplitude }) => self.judge_peak(peak, amplitude),
@@ -273,7 +289,18 @@ impl Signal {
             horizontal_m2_s4: 0.0,
             vertical_m2_s4: 0.0,
             extrema: Extrema::new(time, 0.0),
+            began: time,
+            last_lively: time,
+            has_stood: false,
         }
+    }
+
+    /// Sees the wearer stand where the filtered acceleration stays within `still_m_s2` for long enough.
+    fn watch(&mut self, time: Timestamp, vertical_m_s2: f32, still_m_s2: f32) {
+        if vertical_m_s2.abs() > still_m_s2 {
+            self.last_lively = time;
+        }
+        self.has_stood |= time.secs_since(self.last_lively) >= STILL_S;
     }
 
     /// Feeds `input`, `dt_s` after the last; returns the filtered vertical acceleration.
@@ -295,5 +322,54 @@ impl Signal {
         self.horizontal_m2_s4 += power * (horizontal_m2_s4 - self.horizontal_m2_s4);
         self.vertical_m2_s4 += power * (vertical * vertical - self.vertical_m2_s4);
         vertical
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::step::StepQueue;
+
+    /// The steps that count of a recording at 50 Hz that begins `standing_s` before its walk of 1.6 steps a second: their
+    /// starts and ends, in seconds, and whether each is a first one.
+    fn steps(standing_s: f64) -> Vec<(f64, f64, bool)> {
+        let mut detector = PhoneStepDetector::new(PhoneStepParams::default());
+        let mut queue = StepQueue::new();
+        let origin = Timestamp::from_millis(0);
+        let mut steps = Vec::new();
+        for k in 0..400 {
+            let time = Timestamp::from_millis(20 * k);
+            let walking_s = time.secs_since(origin) - standing_s;
+            let bob =
+                if walking_s < 0.0 { 0.0 } else { 2.0 * libm::sin(core::f64::consts::TAU * 1.6 * walking_s) };
+            let force = [0.0, 0.0, STANDARD_GRAVITY_M_S2 + bob as f32];
+            if let Some(finding) = detector.push(time, force) {
+                queue.push(&finding, (), detector.params().first_period_s);
+            }
+            while let Some((cycle, ())) = queue.pop() {
+                steps.push((cycle.start.secs_since(origin), cycle.end.secs_since(origin), cycle.is_first));
+            }
+        }
+        steps
+    }
+
+    #[test]
+    fn a_recording_that_begins_amid_a_walk_has_no_first_step() {
+        let (start_s, end_s, is_first) = steps(0.0)[0];
+        // The first peak is a quarter of a period after the start and a tenth of a second of filtering; the least mean
+        // period is 0.325 s.
+        assert!(!is_first && (end_s - start_s - 0.325).abs() < 0.02, "{start_s} {end_s}");
+        assert!((0.2..0.35).contains(&end_s), "{end_s}");
+        // A tenth of a second is too short to have stood.
+        let (start_s, end_s, is_first) = steps(0.1)[0];
+        assert!(!is_first && (-0.02..0.02).contains(&start_s) && end_s > 0.325, "{start_s} {end_s}");
+    }
+
+    #[test]
+    fn who_stood_before_walking_makes_a_first_step() {
+        for standing_s in [0.6, 3.0] {
+            let (start_s, end_s, is_first) = steps(standing_s)[0];
+            assert!(is_first && (end_s - start_s - 0.55).abs() < 1e-6, "{standing_s}: {start_s} {end_s}");
+        }
     }
 }

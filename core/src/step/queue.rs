@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::step::{StepCycle, StepFinding};
+use crate::time::Timestamp;
 
 /// Keeps what a detector finds, with what was measured meanwhile, and gives out the steps that count, in order.
 ///
@@ -13,6 +14,8 @@ pub struct StepQueue<T> {
     steps: [Option<(StepCycle, T)>; CAPACITY],
     n: usize,
     n_ready: usize,
+    /// The end of the step before which nobody stood.
+    under_way: Option<Timestamp>,
 }
 
 const CAPACITY: usize = 12;
@@ -20,7 +23,7 @@ const CAPACITY: usize = 12;
 impl<T: Copy> StepQueue<T> {
     /// A queue without steps.
     pub fn new() -> Self {
-        Self { steps: [None; CAPACITY], n: 0, n_ready: 0 }
+        Self { steps: [None; CAPACITY], n: 0, n_ready: 0, under_way: None }
     }
 
     /// Takes in `finding` and what was `measured` during it; a stride becomes two steps that share it.
@@ -29,6 +32,9 @@ impl<T: Copy> StepQueue<T> {
     pub fn push(&mut self, finding: &StepFinding, measured: T, first_period_s: f64) {
         self.drop_all_held_but(usize::from(finding.n_held));
         let cycle = finding.cycle;
+        if finding.is_under_way {
+            self.under_way = Some(cycle.end);
+        }
         if finding.is_stride {
             let middle = cycle.start.midpoint(cycle.end);
             self.append(StepCycle::between(cycle.start, middle, cycle.amplitude_m_s2), measured);
@@ -39,6 +45,7 @@ impl<T: Copy> StepQueue<T> {
         if finding.is_confirmed {
             if finding.starts_walk
                 && let Some((first, _)) = &mut self.steps[self.n_ready]
+                && self.under_way != Some(first.end)
             {
                 *first = first.as_first(first_period_s);
             }
@@ -83,13 +90,13 @@ impl<T: Copy> StepQueue<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::Timestamp;
 
     fn finding(end_ms: i64, n_held: u8, is_confirmed: bool) -> StepFinding {
         let at = Timestamp::from_millis;
         StepFinding {
             cycle: StepCycle::between(at(end_ms - 1_000), at(end_ms), 3.0),
             is_stride: false,
+            is_under_way: false,
             n_held,
             is_confirmed,
             starts_walk: false,
@@ -122,6 +129,19 @@ mod tests {
         let (first, _) = queue.pop().unwrap();
         assert!(first.is_first && (first.frequency_hz - 2.0).abs() < 1e-6);
         assert_eq!(first.start, Timestamp::from_millis(2_500));
+    }
+
+    #[test]
+    fn a_step_amid_a_walk_is_no_first_one_and_lasts_since_the_recording_began() {
+        let mut queue = StepQueue::new();
+        queue.push(&StepFinding { is_under_way: true, ..finding(3_000, 0, false) }, 0, 0.5);
+        queue.push(&StepFinding { starts_walk: true, ..finding(4_000, 1, true) }, 1, 0.5);
+        assert_eq!(drain(&mut queue), [(3_000, 0, false), (4_000, 1, false)]);
+        // Had it not come to count, the next would have been the first.
+        let mut queue = StepQueue::new();
+        queue.push(&StepFinding { is_under_way: true, ..finding(3_000, 0, false) }, 0, 0.5);
+        queue.push(&StepFinding { starts_walk: true, ..finding(4_000, 0, true) }, 1, 0.5);
+        assert_eq!(drain(&mut queue), [(4_000, 1, true)]);
     }
 
     #[test]

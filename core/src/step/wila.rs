@@ -1,5 +1,7 @@
 //! The step detector of a wearable at the waist: a long linear-phase filter, then peak and trough.
 
+use serde::{Deserialize, Serialize};
+
 use crate::gravity::STANDARD_GRAVITY_M_S2;
 use crate::step::extrema::{Extrema, Turn};
 use crate::step::fixed_rate::FixedRate;
@@ -8,7 +10,7 @@ use crate::step::{StepCycle, StepDetector, StepFinding, is_usable};
 use crate::time::{Duration, Timestamp};
 
 /// Parameters of [`WilaStepDetector`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WilaStepParams {
     /// Least difference of a peak and the trough after it, in m/s²; default 0.35 (the paper gives none: the first and
     /// the last step of a slow walk have about 0.5 at the waist, standing less than 0.3).
@@ -41,7 +43,7 @@ const MAX_GAP: Duration = Duration::from_millis(400);
 ///
 /// # Source
 /// WILA 2016, Eq. 1, and steps 1 to 4 of its section 3.1.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WilaStepDetector {
     params: WilaStepParams,
     readings: FixedRate<1>,

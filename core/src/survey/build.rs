@@ -95,6 +95,8 @@ impl core::error::Error for SurveyError {}
 /// The tracks of a survey and what was read along them, ready to be gridded.
 pub(super) struct Surveyed {
     pub tracks: Vec<(u32, SurveyTrack)>,
+    /// Tracks without a step: their sensors failed, and yet somebody walked there.
+    pub bare_tracks: Vec<(u32, SurveyTrack)>,
     /// Field x, y, z and strength.
     pub readings: Vec<Reading<4>>,
     pub deviations: Vec<Deviation>,
@@ -128,6 +130,8 @@ pub fn check_extent(plan: &FloorPlan, params: &SurveyParams) -> Result<(), Surve
 }
 
 /// Builds a floor's map from its plan and the walks that surveyed it.
+///
+/// A walk without a step, whose accelerometer failed, counts for the routes alone.
 ///
 /// # Errors
 /// [`SurveyError`] when the plan has no extent or is too large, no walk can be laid out, or none has a magnetometer.
@@ -169,12 +173,11 @@ pub fn build_floor(
 impl Surveyed {
     /// Lays out all `walks`.
     pub fn of(walks: &[SurveyWalk]) -> Self {
-        let tracks: Vec<(u32, SurveyTrack)> = walks
+        let (tracks, bare_tracks): (Vec<(u32, SurveyTrack)>, Vec<_>) = walks
             .iter()
             .enumerate()
             .filter_map(|(k, walk)| Some((k as u32, SurveyTrack::of(walk)?)))
-            .filter(|(_, track)| !track.steps().is_empty())
-            .collect();
+            .partition(|(_, track)| !track.steps().is_empty());
         let (mut readings, mut deviations) = (Vec::new(), Vec::new());
         for (walk, track) in &tracks {
             for step in track.steps() {
@@ -192,12 +195,13 @@ impl Surveyed {
                 });
             }
         }
-        Self { tracks, readings, deviations }
+        Self { tracks, bare_tracks, readings, deviations }
     }
 
     /// The surveyed lines: the waypoints of each walk but `left_out`, joined.
     pub fn routes(&self, left_out: Option<u32>) -> Vec<Vec<Point2>> {
-        let others = self.tracks.iter().filter(|(walk, _)| Some(*walk) != left_out);
+        let tracks = self.tracks.iter().chain(&self.bare_tracks);
+        let others = tracks.filter(|(walk, _)| Some(*walk) != left_out);
         others.map(|(_, track)| track.waypoints().iter().map(|w| w.point).collect()).collect()
     }
 }
@@ -246,7 +250,7 @@ pub(super) fn grid_routes(map: &mut FloorMap, params: &SurveyParams) {
     let mut density = vec![0.0f32; frame.len()];
     for line in map.routes.iter().flat_map(|route| route.windows(2)) {
         let segment = Segment { a: line[0], b: line[1] };
-        for (node, place) in nodes_near(&frame, &segment, 3.0 * params.route_width_m) {
+        for (node, place) in frame.nodes_near(&segment, 3.0 * params.route_width_m) {
             let apart = segment.distance_m(place) / params.route_width_m;
             density[node] += libm::exp(-0.5 * apart * apart) as f32;
         }
@@ -259,7 +263,7 @@ pub(super) fn route_distances_m(frame: &GridFrame, routes: &[Vec<Point2>], reach
     let mut distances_m = vec![reach_m as f32; frame.len()];
     for line in routes.iter().flat_map(|route| route.windows(2)) {
         let segment = Segment { a: line[0], b: line[1] };
-        for (node, place) in nodes_near(frame, &segment, reach_m) {
+        for (node, place) in frame.nodes_near(&segment, reach_m) {
             let distance_m = segment.distance_m(place) as f32;
             if distance_m < distances_m[node] {
                 distances_m[node] = distance_m;
@@ -293,7 +297,7 @@ impl DeviationSums {
             sums.all[1] += cos;
             sums.n += 1;
             let here = Segment { a: position, b: position };
-            for (node, place) in nodes_near(frame, &here, 3.0 * params.deviation_length_m) {
+            for (node, place) in frame.nodes_near(&here, 3.0 * params.deviation_length_m) {
                 let apart = place.distance_m(position) / params.deviation_length_m;
                 let weight = libm::exp(-0.5 * apart * apart);
                 sums.nodes[node][0] += weight * sin;
@@ -325,21 +329,4 @@ impl DeviationSums {
         let [sin, cos] = self.nodes[node];
         libm::atan2(sin + 0.5 * prior[0], cos + 0.5 * prior[1]) as f32
     }
-}
-
-fn nodes_near(
-    frame: &GridFrame,
-    segment: &Segment,
-    reach_m: f64,
-) -> impl Iterator<Item = (usize, Point2)> + use<> {
-    let frame = *frame;
-    let range = |low_m: f64, high_m: f64, origin_m: f64, n: usize| {
-        let first = ((low_m - reach_m - origin_m) / frame.cell_m).ceil().max(0.0) as usize;
-        let end = ((high_m + reach_m - origin_m) / frame.cell_m).floor() + 1.0;
-        first..(end.max(0.0) as usize).min(n)
-    };
-    let (a, b) = (segment.a, segment.b);
-    let columns = range(a.x_m.min(b.x_m), a.x_m.max(b.x_m), frame.origin.x_m, frame.nx);
-    let rows = range(a.y_m.min(b.y_m), a.y_m.max(b.y_m), frame.origin.y_m, frame.ny);
-    rows.flat_map(move |j| columns.clone().map(move |i| (j * frame.nx + i, frame.node(i, j))))
 }

@@ -211,7 +211,7 @@ fn no_extent() -> FormatError {
 }
 
 /// Metres per degree of longitude and of latitude on the WGS 84 ellipsoid at `latitude_deg`.
-pub(crate) fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
+fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
     const SEMI_MAJOR_M: f64 = 6_378_137.0;
     const ECCENTRICITY2: f64 = 6.694_379_990_141_316e-3;
     let (sin, cos) = latitude_deg.to_radians().sin_cos();
@@ -219,6 +219,17 @@ pub(crate) fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
     let prime_vertical_m = SEMI_MAJOR_M / w2.sqrt();
     let meridian_m = prime_vertical_m * (1.0 - ECCENTRICITY2) / w2;
     [(prime_vertical_m * cos).to_radians(), meridian_m.to_radians()]
+}
+
+/// A frame in metres east and north of a latitude and longitude in degrees, which is not at a pole.
+pub(crate) fn georeference_at([latitude_deg, longitude_deg]: [f64; 2]) -> Georeference {
+    let [east_m, north_m] = metres_per_degree(latitude_deg);
+    Georeference {
+        origin_latitude_deg: latitude_deg,
+        origin_longitude_deg: longitude_deg,
+        latitude_deg_per_m: 1.0 / north_m,
+        longitude_deg_per_m: 1.0 / east_m,
+    }
 }
 
 /// The member as JSON.

@@ -11,6 +11,7 @@ use crate::error::FormatError;
 use crate::get_sensor_data::{GetSensorDataReader, is_get_sensor_data};
 use crate::ilc::{LineRejections, TraceReader};
 use crate::sensor_logger::{SensorLoggerReader, is_export, is_json};
+use crate::uji_mag::{UjiMagReader, is_uji_mag};
 
 /// A log of any format: a stream of records, and what there is to know about it.
 pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
@@ -38,7 +39,8 @@ pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
 }
 
 /// Opens the log at `path`, whichever format it is in: an MCAP recording, a text trace of the
-/// indoor-location-competition-20 collection, a GetSensorData log, or an export of Sensor Logger, JSON or a folder of CSV.
+/// indoor-location-competition-20 collection, a GetSensorData log, an export of Sensor Logger, JSON or a folder of CSV,
+/// or a walk of UJIIndoorLoc-Mag.
 ///
 /// Records come in the file's order, which is that of arrival: see [`InOrder`](super::InOrder).
 ///
@@ -100,6 +102,12 @@ pub fn open_recording_on(
             Some(georeference) => log.with_georeference(georeference),
             None => log,
         })
+    } else if is_uji_mag(head) {
+        let walk = UjiMagReader::new(reader, path);
+        Box::new(match georeference {
+            Some(georeference) => walk.with_georeference(georeference),
+            None => walk,
+        })
     } else {
         Box::new(TraceReader::new(reader, path))
     })
@@ -152,5 +160,23 @@ impl<R: BufRead> RecordSource for GetSensorDataReader<R> {
 
     fn is_in_floor_frame(&self) -> bool {
         GetSensorDataReader::is_in_floor_frame(self)
+    }
+}
+
+impl<R: BufRead> RecordSource for UjiMagReader<R> {
+    fn floor_name(&self) -> Option<&str> {
+        None
+    }
+
+    fn losses(&self) -> Losses {
+        Losses { n_malformed: self.rejections().total(), ..Losses::default() }
+    }
+
+    fn line_rejections(&self) -> Option<&LineRejections> {
+        Some(self.rejections())
+    }
+
+    fn is_in_floor_frame(&self) -> bool {
+        UjiMagReader::is_in_floor_frame(self)
     }
 }

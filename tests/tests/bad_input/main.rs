@@ -16,7 +16,7 @@ use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
 use fieldwalk::positioner::{Fix, PositionHint, Positioner};
 use fieldwalk::sensor::{Reading, Sample};
-use fieldwalk::system::Recipe;
+use fieldwalk::system::{MagneticRule, Recipe};
 use fieldwalk_tests::synthetic::{Floor, Recorded};
 
 struct World {
@@ -50,6 +50,13 @@ fn followers() -> impl Iterator<Item = Recipe> {
 /// A card has a fix a second where a phone has one a step.
 fn n_fixes(recipe: &Recipe, n_steps: usize) -> usize {
     if recipe.front_end == FrontEndRule::Card { n_steps / 2 } else { n_steps }
+}
+
+/// How far off a fix may be, in metres: whoever takes the strength as it is, from a phone that carries iron of its own, or
+/// sets every fix by one round of radio, is farther off than the rest.
+fn most_error_m(recipe: &Recipe) -> f64 {
+    let takes_strength = matches!(recipe.magnetic, MagneticRule::Strength(_) | MagneticRule::Candidates(_));
+    if takes_strength || recipe.radar.is_some() { 16.0 } else { 8.0 }
 }
 
 fn hint() -> PositionHint {

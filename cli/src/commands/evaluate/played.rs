@@ -69,7 +69,7 @@ fn mean_m(score: &WalkScore) -> f64 {
 
 fn play(evaluation: &Evaluation, walk: &ScoredWalk, seed: u64) -> Result<Option<Walk>, FormatError> {
     let name = walk.path.file_stem().unwrap_or_default().to_string_lossy();
-    let test = TestWalk::read(&walk.path, walk.floor.map().plan.georeference)?;
+    let test = TestWalk::read(&walk.path, walk.floor.map().plan.georeference, None)?;
     Ok(test.map(|test| record(&walk.floor, &evaluation.recipes, evaluation.start, seed, &test, &name)))
 }
 

@@ -18,9 +18,11 @@ use crate::walks::ReadWalk;
 /// A floor's walks, in order of their files' names.
 #[derive(Debug, Default)]
 pub struct Walks {
-    /// Those that the map is made of.
+    /// Those that the map is made of; the last ones have no steps, and count as routes alone.
     pub used: Vec<SurveyWalk>,
-    /// Those left out, and why.
+    /// How many of them have no steps.
+    pub n_without_steps: usize,
+    /// Those left out, or without steps, and why.
     pub refused: Vec<RefusedWalk>,
     /// Lines not understood, in the walks used.
     pub n_lines_rejected: u64,
@@ -68,15 +70,23 @@ impl Walks {
             .collect();
         bar.finish_and_clear();
         let mut walks = Self::default();
+        let mut without_steps = Vec::new();
         for (path, read) in paths.into_iter().zip(read) {
+            let mut refuse = |reason| walks.refused.push(RefusedWalk { path: path.clone(), reason });
             match read.map_err(reason_of).and_then(|read| usable(read, floor)) {
-                Ok(ReadWalk { walk, lines, losses, .. }) => {
+                Ok((ReadWalk { walk, .. }, Some(reason))) => {
+                    refuse(reason);
+                    without_steps.push(walk);
+                }
+                Ok((ReadWalk { walk, lines, losses, .. }, None)) => {
                     walks.count(path, &lines, &losses);
                     walks.used.push(walk);
                 }
-                Err(reason) => walks.refused.push(RefusedWalk { path: path.clone(), reason }),
+                Err(reason) => refuse(reason),
             }
         }
+        walks.n_without_steps = without_steps.len();
+        walks.used.extend(without_steps);
         walks
     }
 
@@ -111,8 +121,8 @@ fn reason_of(error: FormatError) -> String {
     format!("{line}{}{remedy}", error.message())
 }
 
-/// `read`, if it places steps on `floor`.
-fn usable(read: ReadWalk, floor: &Floor) -> Result<ReadWalk, String> {
+/// `read`, if it was walked on `floor`, and what is wrong with it if it places no steps there.
+fn usable(read: ReadWalk, floor: &Floor) -> Result<(ReadWalk, Option<String>), String> {
     if let Some(name) =
         read.floor_name.as_ref().filter(|name| floor_ordinal(name) != floor_ordinal(&floor.name))
     {
@@ -131,9 +141,10 @@ fn usable(read: ReadWalk, floor: &Floor) -> Result<ReadWalk, String> {
             Err(format!("{n} waypoints, where two are needed{lines} (tap one at both ends of a line)"))
         }
         Some(track) if track.steps().is_empty() => {
-            Err(format!("no steps between its waypoints{lines} (record the accelerometer, and walk)"))
+            let reason = "no steps between its waypoints, so that it counts as a route alone";
+            Ok((read, Some(format!("{reason}{lines} (record the accelerometer, and walk)"))))
         }
-        Some(_) => Ok(read),
+        Some(_) => Ok((read, None)),
     }
 }
 

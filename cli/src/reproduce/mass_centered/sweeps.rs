@@ -1,4 +1,4 @@
-//! The weight's parameters swept: window `W` and threshold `T`.
+//! The weight's parameters swept: window `W` and threshold `T`, by the field's strength alone, as in the paper.
 
 use fieldwalk::observation::mass_centered::MassCenteredParams;
 use fieldwalk::system::{MagneticRule, Recipe};
@@ -34,6 +34,7 @@ pub fn measure(errors_m: impl Fn(&Recipe) -> Vec<f64>) -> Measured {
     let with = |change: &dyn Fn(&mut MassCenteredParams)| {
         let mut recipe = Recipe::mass_centered();
         if let MagneticRule::MassCentered(params) = &mut recipe.magnetic {
+            params.direction = None;
             change(params);
         }
         errors_m(&recipe)

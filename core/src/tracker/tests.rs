@@ -1,0 +1,73 @@
+//! The loop as a whole.
+
+use super::*;
+use crate::floor_plan::FloorPlan;
+use crate::map::{FloorMap, GridFrame, Layers};
+use crate::step::StepCycle;
+
+/// 60 m × 20 m where the field grows by 2 µT a metre along x.
+fn slope() -> FloorIndex {
+    let plan = FloorPlan { width_m: 60.0, height_m: 20.0, ..FloorPlan::default() };
+    let frame = GridFrame::covering(plan.width_m, plan.height_m, 1.0);
+    let strength_ut = (0..frame.len()).map(|node| 20.0 + 2.0 * (node % frame.nx) as f32).collect();
+    let layers = Layers { strength_ut, ..Layers::default() };
+    FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() })
+}
+
+fn step(k: u32) -> StepEvent {
+    let at = |k: u32| Timestamp::from_nanos(500_000_000 * i64::from(k));
+    StepEvent {
+        cycle: StepCycle {
+            start: at(k),
+            end: at(k + 1),
+            frequency_hz: 2.0,
+            amplitude_m_s2: 3.0,
+            is_first: false,
+        },
+        n_steps: 1,
+        reads: [None; 3],
+        level_heading_rad: core::f32::consts::FRAC_PI_2,
+        forward_field: None,
+        end_strength_ut: Some(40.0 + 1.5 * k as f32),
+        field_bias_reset: false,
+        attitude: crate::attitude::AttitudeEstimate::default(),
+    }
+}
+
+#[test]
+fn a_turn_shortens_the_step_that_it_falls_in() {
+    let lengths_m = |turn_rad: f32, is_first: bool| {
+        let mut tracker = Tracker::new(Recipe::mass_centered(), Arc::new(slope()), 1);
+        tracker.place(Point2::new(20.0, 10.0), 2.0);
+        tracker.step(&step(0), &[]);
+        let mut turned = step(1);
+        turned.level_heading_rad += turn_rad;
+        turned.cycle.is_first = is_first;
+        tracker.step(&turned, &[]);
+        tracker.step_length_m()
+    };
+    // Equation 14: sin((π − π/2)/2) = sin 45°.
+    assert!(
+        (lengths_m(core::f32::consts::FRAC_PI_2, false) / lengths_m(0.0, false) - 0.5f64.sqrt()).abs() < 1e-4
+    );
+    assert_eq!(lengths_m(core::f32::consts::FRAC_PI_2, true), lengths_m(0.0, true));
+}
+
+#[test]
+fn mass_centred_weights_last_until_particles_are_resampled() {
+    let recipe = Recipe { n_particles: 60, resample_below: 0.0, ..Recipe::mass_centered() };
+    let MagneticRule::MassCentered(params) = recipe.magnetic else { panic!("another weight") };
+    let mut tracker = Tracker::new(recipe, Arc::new(slope()), 1);
+    tracker.place(Point2::new(20.0, 10.0), 2.0);
+    (0..4).for_each(|k| tracker.step(&step(k), &[]));
+    let before = tracker.particles().log_weight.clone();
+    let best = before.iter().fold(f32::NEG_INFINITY, |best, &w| best.max(w));
+    assert!(before.iter().any(|&w| w < best - 0.1), "{before:?}");
+    tracker.step(&step(4), &[]);
+    let Particles { log_weight, delta_errors_ut, .. } = tracker.particles();
+    for ((after, before), errors_ut) in log_weight.iter().zip(before).zip(delta_errors_ut.chunks(3)) {
+        let mean_ut = errors_ut.iter().sum::<f32>() / 3.0;
+        let expected = before - best - libm::logf(mean_ut.max(params.threshold_ut));
+        assert!((after - expected).abs() < 1e-4, "{after} {expected}");
+    }
+}
