@@ -311,8 +311,8 @@ pub struct EvaluateArguments {
     #[arg(long = "recipe", value_name = "FILE.json")]
     pub recipes: Vec<PathBuf>,
 
-    /// Give every system the floor plan and the surveyed routes of `fused`; those that this changes are called
-    /// `NAME+plan`.
+    /// Give every system the floor plan and the surveyed routes of `fused`, and those of phones its dead reckoning too;
+    /// those that this changes are called `NAME+plan`.
     #[arg(long)]
     pub with_plan: bool,
 

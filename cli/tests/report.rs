@@ -46,6 +46,8 @@ fn a_report_plays_the_fixes_that_a_replay_prints() {
         text(&out),
         "--title",
         "<b>&",
+        "--systems",
+        "dead-reckoning,mass-centered,fused",
     ]);
     assert_eq!(said, format!("{} plays 2 walks: open it in a browser\n", out.display()));
     let figures = figures(&out);

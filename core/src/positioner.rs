@@ -157,9 +157,11 @@ impl Positioner {
     ///
     /// Bad samples are counted in [`Positioner::rejections`] and change nothing else.
     pub fn push(&mut self, sample: Sample) -> Option<Fix> {
+        // A card's frame waits for nothing that may be late: frames have numbers, and the next one is a second away.
+        let waits = !matches!(sample.reading, Reading::CardFrame(_));
         self.reorder.push(&sample);
         let mut stepped = false;
-        while let Some(next) = self.reorder.pop() {
+        while let Some(next) = if waits { self.reorder.pop() } else { self.reorder.pop_all() } {
             stepped |= self.consume(&next);
         }
         if stepped { self.fix() } else { None }

@@ -381,14 +381,19 @@ systems! {
 }
 
 impl Recipe {
-    /// The same system with the floor plan and the surveyed routes that [`Recipe::fused`] uses; RADAR has no use for
-    /// them and stays as it is.
+    /// The same system with the floor plan, the surveyed routes and, on a phone, the dead reckoning that
+    /// [`Recipe::fused`] uses, so that systems are compared by what they make of the field and of radio.
+    ///
+    /// A system whose steps come from elsewhere than a phone keeps its motion, and one without steps is as it was.
     #[must_use]
     pub fn with_plan(self) -> Self {
         if self.radar.is_some() {
             return self;
         }
-        let Self { plan, routes, .. } = Self::fused();
-        Self { plan, routes, ..self }
+        let Self { plan, routes, length, motion, .. } = Self::fused();
+        match self.front_end {
+            FrontEndRule::Card => Self { plan, routes, ..self },
+            _ => Self { plan, routes, length, motion, ..self },
+        }
     }
 }

@@ -45,7 +45,7 @@ impl Recipe {
             replenish: None,
             resample_below: 0.7,
             resampling: Resampling::Systematic,
-            accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
+            accuracy: AccuracyParams { scale: 1.15, floor_m: 1.3, tail: 1.15 },
         }
     }
 }
