@@ -56,7 +56,7 @@ impl Recipe {
             replenish: None,
             resample_below: 0.0,
             resampling: Resampling::Systematic,
-            accuracy: AccuracyParams { scale: 1.5, floor_m: 1.5, tail: 1.3 },
+            accuracy: AccuracyParams { scale: 2.1, floor_m: 2.0, tail: 1.5 },
         }
     }
 
