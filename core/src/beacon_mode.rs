@@ -109,6 +109,17 @@ pub struct BeaconFix {
     pub offset_rad: Option<[f64; 2]>,
 }
 
+/// What a second brought.
+#[derive(Clone, Copy, Debug)]
+pub struct BeaconRound<'a> {
+    /// What was heard.
+    pub radio: &'a [RadioObservation],
+    /// The sum of the steps so far, in the level frame, in metres.
+    pub walked: Point2,
+    /// Walking direction minus level-frame heading as the particles have it, and its standard deviation, in radians.
+    pub offset_before_rad: Option<[f64; 2]>,
+}
+
 impl BeaconVisit {
     /// Whether a cluster is believed to be near.
     pub fn is_inside(&self) -> bool {
@@ -120,7 +131,7 @@ impl BeaconVisit {
         *self = Self::default();
     }
 
-    /// Takes in what was heard in a second, and the sum of the steps so far, in the level frame; `ranges` is memory.
+    /// Takes in what a second brought; `ranges` is memory.
     ///
     /// # Source
     /// iBILL 2017, Fig. 4 and §IV-A: the mode begins where three or more beacons of a cluster are within accurate range.
@@ -130,11 +141,10 @@ impl BeaconVisit {
         params: &BeaconModeParams,
         clusters: &[BeaconCluster],
         transmitters: &[Transmitter],
-        radio: &[RadioObservation],
-        walked: Point2,
-        offset_before_rad: Option<[f64; 2]>,
+        round: &BeaconRound<'_>,
         ranges: &mut Vec<Range>,
     ) -> RoundOutcome {
+        let BeaconRound { radio, walked, offset_before_rad } = *round;
         let middle = self.last_walked.replace(walked).map_or(walked, |last| last.lerp(walked, 0.5));
         let nearest = clusters
             .iter()

@@ -124,7 +124,8 @@ fn visited(places: &[Point2]) -> (BeaconVisit, Vec<RoundOutcome>) {
         .iter()
         .map(|&at| {
             let radio = heard(&transmitters, at);
-            visit.hear(&params, &clusters, &transmitters, &radio, at, Some([0.0, 0.5]), &mut ranges)
+            let round = BeaconRound { radio: &radio, walked: at, offset_before_rad: Some([0.0, 0.5]) };
+            visit.hear(&params, &clusters, &transmitters, &round, &mut ranges)
         })
         .collect();
     (visit, outcomes)
@@ -161,15 +162,9 @@ fn fewer_than_three_beacons_are_no_cluster_s_inside() {
     let radio = heard(&transmitters, clusters[0].centre);
     let mut visit = BeaconVisit::default();
     for n in 0..3 {
-        let outcome = visit.hear(
-            &BeaconModeParams::default(),
-            &clusters,
-            &transmitters,
-            &radio[..n],
-            Point2::default(),
-            None,
-            &mut Vec::new(),
-        );
+        let round = BeaconRound { radio: &radio[..n], walked: Point2::default(), offset_before_rad: None };
+        let outcome =
+            visit.hear(&BeaconModeParams::default(), &clusters, &transmitters, &round, &mut Vec::new());
         assert_eq!(outcome, RoundOutcome::Outside, "{n}");
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::beacon_mode::{BeaconFix, RoundOutcome};
+use crate::beacon_mode::{BeaconFix, BeaconRound, RoundOutcome};
 use crate::geometry::Point2;
 use crate::observation::history;
 use crate::particle::Centre;
@@ -83,8 +83,8 @@ impl Tracker {
         let before_rad = self.offset_rad();
         let transmitters = &self.floor.map().transmitters;
         let (visit, ranges) = (&mut self.state.visit, &mut self.scratch.ranges);
-        match visit.hear(&params, &self.clusters, transmitters, radio, self.state.walked, before_rad, ranges)
-        {
+        let round = BeaconRound { radio, walked: self.state.walked, offset_before_rad: before_rad };
+        match visit.hear(&params, &self.clusters, transmitters, &round, ranges) {
             RoundOutcome::Inside(None) => false,
             RoundOutcome::Inside(Some(fix)) => {
                 self.begin_at_fix(&fix);
