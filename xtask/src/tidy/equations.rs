@@ -6,12 +6,13 @@
 //! | Paper | Equation | What | Where |
 //! |---|---|---|---|
 //! | Kwak 2018 | Eq. 1 | low-pass of gravity | `core/src/gravity.rs` `LowPass::update` |
-//! | Kwak 2018 | Eqs 4–5 | weight of a history | open: Card system |
 //! ```
 //!
-//! *Where* holds backticked paths, each followed by the items in it, or `open:` and the issue's subject. A path must
-//! exist, name its items, and cite the equation in a doc comment as "Kwak 2018, Eq. 1"; the files of a row together
-//! cite all of the row's numbers.
+//! *Where* holds backticked paths, each followed by the items in it. A path must exist, name its items, and cite the
+//! equation in a doc comment as "Kwak 2018, Eq. 1"; the files of a row together cite all of the row's numbers. The table
+//! is complete: every equation and algorithm that the papers number has a row.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::architecture::backticked;
 use super::citations::{self, Citation};
@@ -19,12 +20,26 @@ use super::repository::{Finding, Repository};
 
 const EQUATIONS: &str = "docs/equations.md";
 
+/// What must have a row. Of iBILL 2017, Eqs 19 to 22 derive 23, and of WILA 2016, Eq. 2 defines a symbol.
+const COMPLETE: [(&str, &str); 5] = [
+    ("Kwak 2018", "Eqs 1–5 and Alg. 1"),
+    ("Mass-centred 2019", "Eqs 1–15 and Algs 1–2"),
+    ("iBILL 2017", "Eqs 1–18, 23, 24–32 and Alg. 1"),
+    ("WILA 2016", "Eqs 1, 3–10"),
+    ("Song 2014", "Eq. 1, §3"),
+];
+
 pub fn every_equation_is_in_the_code_named(repository: &Repository) -> Vec<Finding> {
+    check(repository, &COMPLETE)
+}
+
+fn check(repository: &Repository, complete: &[(&str, &str)]) -> Vec<Finding> {
     let Some(text) = repository.text(EQUATIONS) else {
         return vec![Finding::in_file(EQUATIONS, "is missing: list the papers' equations and their code")];
     };
     let mut findings = Vec::new();
     let mut n_rows = 0;
+    let mut listed: BTreeMap<String, BTreeSet<Citation>> = BTreeMap::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| line.trim_start().starts_with('|')) {
         let line = line.replace("\\|", "¦");
         let cells: Vec<&str> = line.trim().trim_matches('|').split('|').map(str::trim).collect();
@@ -34,12 +49,22 @@ pub fn every_equation_is_in_the_code_named(repository: &Repository) -> Vec<Findi
             continue;
         }
         n_rows += 1;
+        if let [paper, equation, ..] = cells[..] {
+            listed.entry(paper.into()).or_default().extend(citations::parse(equation));
+        }
         if let Err(message) = check_row(repository, &cells) {
             findings.push(Finding::at(EQUATIONS, index + 1, message));
         }
     }
     if n_rows == 0 {
         findings.push(Finding::in_file(EQUATIONS, "has no row: | Paper | Equation | What | Where |"));
+    }
+    for (paper, wanted) in complete {
+        let of_paper = listed.get(*paper).cloned().unwrap_or_default();
+        let missing: Vec<Citation> = citations::parse(wanted).difference(&of_paper).cloned().collect();
+        if !missing.is_empty() {
+            findings.push(Finding::in_file(EQUATIONS, format!("has no row for {paper}, {missing:?}")));
+        }
     }
     findings
 }
@@ -53,13 +78,6 @@ fn check_row(repository: &Repository, cells: &[&str]) -> Result<(), String> {
         return Err(format!(
             "`{paper}`, `{equation}`: write it like `Kwak 2018`, `Eqs 4–5`, and say what it is"
         ));
-    }
-    if let Some(subject) = place.strip_prefix("open:") {
-        return if subject.trim().is_empty() {
-            Err("open: needs the issue's subject".into())
-        } else {
-            Ok(())
-        };
     }
     let mut missing = wanted.clone();
     for (path, items) in places(place)? {
@@ -97,7 +115,7 @@ fn places(cell: &str) -> Result<Vec<(&str, Vec<&str>)>, String> {
     }
     match places.iter().find(|(_, items)| items.is_empty()) {
         Some((path, _)) => Err(format!("`{path}` is followed by no item in backticks")),
-        None if places.is_empty() => Err("Where holds neither a backticked path nor `open:`".into()),
+        None if places.is_empty() => Err("Where holds no backticked path".into()),
         None => Ok(places),
     }
 }
@@ -117,16 +135,19 @@ mod tests {
         "/// Kwak 2018, Eqs 1–2.\npub struct LowPass;\nimpl LowPass { pub fn update() {} }\n";
 
     fn findings(row: &str) -> Vec<String> {
+        findings_of(row, &[])
+    }
+
+    fn findings_of(row: &str, complete: &[(&str, &str)]) -> Vec<String> {
         let table = format!("# Equations\n\n| Paper | Equation | What | Where |\n|---|:--|---|---|\n{row}\n");
         let repository = Repository::of(&[(EQUATIONS, &table), ("core/src/gravity.rs", GRAVITY)]);
-        every_equation_is_in_the_code_named(&repository).into_iter().map(|f| f.to_string()).collect()
+        check(&repository, complete).into_iter().map(|f| f.to_string()).collect()
     }
 
     #[test]
     fn rows_that_hold_pass() {
         let rows = "| Kwak 2018 | Eq. 1 | low-pass of \\|B\\| | `core/src/gravity.rs` `LowPass::update` |\n\
-                    | Kwak 2018 | Eqs 1–2 | both | `core/src/gravity.rs` `LowPass`, `update()` |\n\
-                    | Kwak 2018 | Alg. 1 | motion | open: Card system |";
+                    | Kwak 2018 | Eqs 1–2 | both | `core/src/gravity.rs` `LowPass`, `update()` |";
         assert_eq!(findings(rows), [""; 0]);
     }
 
@@ -139,16 +160,23 @@ mod tests {
             ("| Kwak 2018 | Eq. 3 | x | `core/src/gravity.rs` `LowPass` |", "cites"),
             ("| Kwak 2018 | Eqs 2–3 | x | `core/src/gravity.rs` `LowPass` |", "Eq. 3"),
             ("| Wu 2017 | Eq. 1 | x | `core/src/gravity.rs` `LowPass` |", "cites"),
-            ("| Kwak 2018 | Eq. 1 | x | somewhere |", "neither"),
-            ("| Kwak 2018 | Eq. 1 | x | open: |", "subject"),
-            ("| Kwak 2018 | first | x | open: y |", "write it like"),
-            ("| Kwak 2018 | Eq. 1 | open: y |", "columns"),
+            ("| Kwak 2018 | Eq. 1 | x | somewhere |", "no backticked"),
+            ("| Kwak 2018 | first | x | y |", "write it like"),
+            ("| Kwak 2018 | Eq. 1 | y |", "columns"),
             ("", "no row"),
         ];
         for (row, expected) in rows {
             let found = findings(row);
             assert!(found.len() == 1 && found[0].contains(expected), "{row}: {found:?}");
         }
+    }
+
+    #[test]
+    fn a_paper_s_equation_without_a_row_is_found() {
+        let row = |paper: &str| format!("| {paper} | Eq. 1 | x | `core/src/gravity.rs` `LowPass` |");
+        let found = findings_of(&row("Kwak 2018"), &COMPLETE).join("\n");
+        assert!(found.contains("has no row for Kwak 2018, [(\"Alg\", \"1\"), (\"Eq\", \"2\")"), "{found}");
+        assert!(found.contains("has no row for Song 2014, [(\"Eq\", \"1\"), (\"§\", \"3\")]"), "{found}");
     }
 
     #[test]
