@@ -161,7 +161,7 @@ impl Positioner {
         let waits = !matches!(sample.reading, Reading::CardFrame(_));
         self.reorder.push(&sample);
         let mut stepped = false;
-        while let Some(next) = if waits { self.reorder.pop() } else { self.reorder.pop_all() } {
+        while let Some(next) = if waits { self.reorder.pop() } else { self.reorder.pop_now() } {
             stepped |= self.consume(&next);
         }
         if stepped { self.fix() } else { None }
@@ -362,6 +362,7 @@ mod tests {
     use super::*;
     use crate::floor_plan::FloorPlan;
     use crate::map::FloorMap;
+    use crate::sensor::RadioSighting;
 
     #[test]
     fn particles_are_shown_where_the_hint_put_them() {
@@ -378,5 +379,23 @@ mod tests {
         assert!(positioner.particles().map(off).any(|d| d.norm_m() > 1.0), "spread, not heaped");
         let heaviest = positioner.particles().map(|(_, weight)| weight).fold(0.0, f32::max);
         assert_eq!(heaviest, 1.0);
+    }
+
+    #[test]
+    fn a_cards_frame_is_taken_in_at_once_and_what_else_was_heard_of_it_too() {
+        let plan = FloorPlan { width_m: 20.0, height_m: 10.0, ..FloorPlan::default() };
+        let floor = Arc::new(FloorIndex::new(FloorMap { plan, ..FloorMap::default() }));
+        let mut positioner = Positioner::new(floor, Recipe::card(), 1);
+        let mut frame = [0u8; 31];
+        frame[..9].copy_from_slice(&[2, 1, 6, 27, 255, 255, 255, 16, 0]);
+        let at = |ms, reading| Sample { time: Timestamp::from_millis(ms), reading };
+        assert!(positioner.push(at(1_000, Reading::CardFrame(frame))).is_some());
+        // Another access point heard it at the same instant.
+        let sighting = RadioSighting { transmitter: TransmitterId::BleAddress([1; 6]), rssi_dbm: -70.0 };
+        positioner.push(at(1_000, Reading::Radio(sighting)));
+        assert_eq!(positioner.push(at(1_000, Reading::CardFrame(frame))), None);
+        assert_eq!(positioner.rejections(), Rejections::default());
+        let counts = positioner.card_counts().unwrap();
+        assert_eq!((counts.n_rounds, counts.n_repeated), (1, 1));
     }
 }

@@ -119,6 +119,13 @@ impl ReorderWindow {
         self.pop_until(Timestamp::MAX)
     }
 
+    /// The next sample in order, however young; others of its instant may still come.
+    pub fn pop_now(&mut self) -> Option<Sample> {
+        let sample = self.waiting.pop_front()?;
+        self.released = self.released.max(sample.time - Duration::from_nanos(1));
+        Some(sample)
+    }
+
     fn pop_until(&mut self, due: Timestamp) -> Option<Sample> {
         let is_due = self.waiting.front().is_some_and(|next| next.time <= due);
         let sample = if is_due { self.waiting.pop_front() } else { None };

@@ -84,7 +84,7 @@ impl CardModel {
     /// What the access points among `scene`'s beacons report of the card from `origin` on; `seeds` decide about this copy
     /// of it, and about this walk.
     ///
-    /// They stamp a frame when they receive it, which is at one instant for all that do.
+    /// They stamp a frame when they receive it, which is at one instant for all that do; how strong it was goes before it.
     pub fn record(
         &self,
         carried: &Carried,
@@ -116,6 +116,7 @@ impl CardModel {
                 // Bluetooth sends up to 10 ms late, by chance.
                 let sent_s = time_s + noise.within(0.0, 0.01);
                 let time = origin + Duration::from_secs_f64(sent_s);
+                let mut n_heard = 0;
                 for transmitter in scene.transmitters.iter().filter(|t| !t.is_access_point()) {
                     let Some(rssi_dbm) = self.heard_dbm(carried, scene, transmitter, sent_s, &mut noise)
                     else {
@@ -123,10 +124,10 @@ impl CardModel {
                     };
                     let sighting = RadioSighting { transmitter: transmitter.id, rssi_dbm };
                     samples.push(Sample { time, reading: Reading::Radio(sighting) });
-                    if self.sends_frames {
-                        samples.push(Sample { time, reading: Reading::CardFrame(frame) });
-                    }
+                    n_heard += 1;
                 }
+                let n_frames = if self.sends_frames { n_heard } else { 0 };
+                samples.extend((0..n_frames).map(|_| Sample { time, reading: Reading::CardFrame(frame) }));
             }
         }
         samples
