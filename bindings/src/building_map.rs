@@ -72,7 +72,9 @@ impl BuildingMap {
                 "survey each floor under its own name and ordinal"
             ));
         }
-        Ok(Self::indexed(name, maps))
+        // Layers lose their last bits on disk: fixes are the same before the map is exported and after.
+        let building = unpack_building(&pack_building(&map::BuildingMap { name, floors: maps })?)?;
+        Ok(Self::indexed(building.name, building.floors))
     }
 
     /// Opens the building called `name` from the content of its floors' files, for apps that keep maps in an archive

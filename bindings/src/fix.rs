@@ -44,6 +44,11 @@ pub enum FixMode {
     Started,
     /// The particle filter follows the steps.
     ParticleFilter,
+    /// Ranges to a cluster of beacons tell the place.
+    Beacon,
+    /// The phone is in a pocket or shaken, and the system pauses then: the position is the last one known, its radius
+    /// grows.
+    Paused,
     /// No sample for more than five seconds: the position is the last one known, its radius grows.
     Stale,
     /// Something that this boundary has no name for yet.
@@ -147,6 +152,8 @@ impl From<positioner::Mode> for FixMode {
         match mode {
             positioner::Mode::Started => Self::Started,
             positioner::Mode::ParticleFilter => Self::ParticleFilter,
+            positioner::Mode::Beacon => Self::Beacon,
+            positioner::Mode::Paused => Self::Paused,
             positioner::Mode::Stale => Self::Stale,
             _ => Self::Other,
         }

@@ -53,6 +53,8 @@ fn mode_number(mode: Mode) -> u8 {
         Mode::Started => 0,
         Mode::ParticleFilter => 1,
         Mode::Stale => 2,
+        Mode::Beacon => 3,
+        Mode::Paused => 4,
         _ => u8::MAX,
     }
 }

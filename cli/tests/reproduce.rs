@@ -45,6 +45,18 @@ fn a_claim_is_a_row_the_same_each_time() {
 }
 
 #[test]
+fn every_claim_of_a_paper_is_a_row() {
+    let listed = ["wila-steps", "wila-distance", "wila-turns", "wila-bend"];
+    let json = succeed(&["reproduce", "wila", "--seeds", "1", "--json"]);
+    let rows: Vec<Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(rows.iter().map(|row| row["id"].as_str().unwrap()).collect::<Vec<_>>(), listed);
+    for row in rows {
+        // What fails says why.
+        assert_eq!(row["holds"] == true, row["cause"].is_null(), "{row}");
+    }
+}
+
+#[test]
 fn the_page_and_the_table_show_what_was_measured() {
     let dir = folder("reproduce_page");
     let page = dir.join("page.html");

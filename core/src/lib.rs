@@ -34,6 +34,7 @@
 #![forbid(unsafe_code)]
 
 pub mod attitude;
+pub mod beacon_mode;
 pub mod calibration;
 pub mod card;
 pub mod floor_plan;

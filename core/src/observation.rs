@@ -7,3 +7,4 @@ pub mod history;
 pub mod mass_centered;
 pub mod radio;
 pub mod strength;
+pub mod three_factors;

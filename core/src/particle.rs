@@ -3,10 +3,12 @@
 mod estimate;
 mod replenish;
 mod resampling;
+mod spawning;
 
 pub use estimate::{Centre, CloudEstimate, EstimateScratch};
 pub use replenish::{ReplenishParams, ReplenishScratch};
 pub use resampling::{ResampleScratch, Resampling};
+pub use spawning::SpawningParams;
 
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +69,10 @@ pub struct Particles {
     pub history_log_weight: Vec<f32>,
     /// Rounds in a row that the particle has been far from the matched radio fingerprint.
     pub n_rounds_outside: Vec<f32>,
+    /// Strengths read from the map at the latest places, newest first, in blocks of the window's length; NaN where there
+    /// was none.
+    #[serde(default, deserialize_with = "null_as_nan")]
+    pub recent_strengths_ut: Vec<f32>,
     /// Natural logarithm of the weight; the largest is 0 after normalisation, and −∞ that of the dead.
     #[serde(deserialize_with = "null_as_dead")]
     pub log_weight: Vec<f32>,
@@ -99,6 +105,8 @@ pub(crate) enum Part {
     HistoryWindow,
     /// The filter of a start by radio fingerprints.
     BleFilter,
+    /// The three factors: as many values a particle as their window has steps.
+    ThreeFactorsWindow,
 }
 
 /// The arrays of `Particles` with their parts, borrowed as the argument is.
@@ -126,6 +134,7 @@ macro_rules! arrays {
             history_ut: HistoryWindow,
             history_log_weight: History,
             n_rounds_outside: BleFilter,
+            recent_strengths_ut: ThreeFactorsWindow,
             log_weight: Always,
         })
     };

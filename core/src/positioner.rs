@@ -223,6 +223,7 @@ impl Positioner {
             map: self.tracker.floor().map(),
             accuracy: self.tracker.recipe().accuracy,
             estimate,
+            mode: self.tracker.mode(),
             step_length_m: self.tracker.step_length_m(),
             last_step: self.progress.last_step.as_ref().map(|step| step.cycle),
             turned_rad,

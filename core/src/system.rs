@@ -4,6 +4,7 @@ mod card;
 mod dead_reckoning;
 mod dtw;
 mod fused;
+mod ibill;
 mod mass_centered;
 mod radar;
 mod song;
@@ -11,6 +12,7 @@ mod wila;
 
 use serde::{Deserialize, Serialize};
 
+use crate::beacon_mode::BeaconModeParams;
 use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
 use crate::observation::ble_filter::BleFilterParams;
@@ -20,7 +22,8 @@ use crate::observation::history::HistoryParams;
 use crate::observation::mass_centered::MassCenteredParams;
 use crate::observation::radio::RadioParams;
 use crate::observation::strength::StrengthParams;
-use crate::particle::{ReplenishParams, Resampling};
+use crate::observation::three_factors::ThreeFactorsParams;
+use crate::particle::{ReplenishParams, Resampling, SpawningParams};
 use crate::radio::fingerprint::FingerprintParams;
 use crate::step::StepLengthModel;
 
@@ -41,6 +44,9 @@ pub struct Recipe {
     pub length: StepLengthModel,
     /// How particles move.
     pub motion: MotionParams,
+    /// Whether particles spawn several each at every step; without, their number is constant.
+    #[serde(default)]
+    pub spawning: Option<SpawningParams>,
     /// What walls and closed units do.
     pub plan: PlanRule,
     /// How the surveyed routes attract, if they do.
@@ -59,6 +65,9 @@ pub struct Recipe {
     /// resampling.
     #[serde(default)]
     pub replenish: Option<ReplenishParams>,
+    /// Whether clusters of beacons take over from the particles, and how.
+    #[serde(default)]
+    pub beacons: Option<BeaconModeParams>,
     /// Resample when the effective sample size falls below this fraction of the particles; 1 resamples every step.
     pub resample_below: f32,
     /// How copies are drawn then.
@@ -80,6 +89,18 @@ pub enum StartRule {
     /// # Source
     /// Kwak 2018, §5.2: uniform over the area.
     WholeFloor,
+    /// In a circle round the place that the ranges to the nearest cluster of beacons give, roughly, in every direction
+    /// from every place; without beacons along the surveyed routes. What the steps say of a particle is then no evidence
+    /// before a cluster is entered.
+    ///
+    /// # Source
+    /// iBILL 2017, Fig. 7; the numbers are ours.
+    Circle {
+        /// `N_d`: directions, evenly spread.
+        n_directions: usize,
+        /// `N_l`: places, by chance.
+        n_places: usize,
+    },
 }
 
 /// How particles move at a step.
@@ -120,6 +141,35 @@ pub enum HeadingRule {
     /// # Source
     /// WILA 2016, §3.3: the heading as its filter has it.
     Compass,
+    /// As [`HeadingRule::Gyroscope`], but the direction is off only by what turns leave: at a step that turns, every
+    /// particle turns by the gyroscope's angle and a uniform share of the interval `± half_width·sd`, and is weighed by the
+    /// normal density of that share. On a straight way the factor is 1.
+    ///
+    /// # Source
+    /// iBILL 2017, Eqs 10–13 and 16; the area of Eqs 12 and 13 is what the two intervals span.
+    GyroscopeTurns {
+        /// Standard deviation of the first compass reading about the walking direction, in radians; ours: the paper
+        /// knows the direction from beacons.
+        start_sd_rad: f32,
+        /// Standard deviation of a turn about the gyroscope's, in radians.
+        sd_rad: f32,
+        /// Half the interval in standard deviations; the middle 70 % is φ⁻¹(0.85) = 1.0364.
+        half_width_sd: f32,
+        /// A step turns when the device turns by this since the step before, in radians; ours.
+        from_rad: f32,
+    },
+}
+
+impl HeadingRule {
+    /// Standard deviation of the first compass reading, in radians, where a direction is kept from there on by gyroscope.
+    pub(crate) fn start_sd_rad(&self) -> Option<f32> {
+        match *self {
+            Self::CompensatedCompass | Self::Compass | Self::Pathway(_) => None,
+            Self::Gyroscope { start_sd_rad, .. } | Self::GyroscopeTurns { start_sd_rad, .. } => {
+                Some(start_sd_rad)
+            }
+        }
+    }
 }
 
 /// How step lengths vary over particles and steps.
@@ -167,6 +217,39 @@ pub enum LengthRule {
         /// Standard deviation of `G_l`, in metres.
         round_sd_m: f32,
     },
+    /// Uniform in the interval `± half_width·sd` about the length model's, and weighed by the normal density there.
+    ///
+    /// # Source
+    /// iBILL 2017, Eqs 7–9 and 15: draws are uniform, since Eq. 15 weighs them by the density.
+    Interval {
+        /// Standard deviation of a step's length.
+        spread: LengthSpread,
+        /// Half the interval in standard deviations; the middle 80 % is φ⁻¹(0.9) = 1.2816.
+        half_width_sd: f32,
+    },
+}
+
+/// How much a step's length `l` varies.
+///
+/// # Source
+/// iBILL 2017, Eq. 8.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LengthSpread {
+    /// The standard deviation is this share of `l`: 0.2 is what the source that iBILL cites means.
+    ShareOfLength(f32),
+    /// The variance is this times `l`, in m² with `l` in metres: 0.2, as iBILL prints it.
+    VarianceOfLength(f32),
+}
+
+impl LengthSpread {
+    /// The standard deviation of a step of `length_m`, in metres.
+    pub fn sd_m(&self, length_m: f32) -> f32 {
+        match *self {
+            Self::ShareOfLength(share) => share * length_m,
+            Self::VarianceOfLength(factor) => (factor * length_m).max(0.0).sqrt(),
+        }
+    }
 }
 
 /// What walls and closed units do to particles.
@@ -242,6 +325,8 @@ pub enum MagneticRule {
     Candidates(CandidateParams),
     /// What was read during the last while against what the map says along each particle's way.
     History(HistoryParams),
+    /// Strengths along the last steps, compared as vectors.
+    ThreeFactors(ThreeFactorsParams),
 }
 
 /// How the stated radii follow from the cloud: `radius_68 = sqrt((scale·r_68)² + floor²)` and
@@ -291,6 +376,7 @@ systems! {
     "card" => Recipe::card,
     "dtw" => Recipe::dtw,
     "mass-centered" => Recipe::mass_centered,
+    "ibill" => Recipe::ibill,
     "fused" => Recipe::fused,
 }
 

@@ -1,30 +1,36 @@
 //! The filter loop: start, move, weigh, resample, estimate — whatever the recipe.
 
+mod beacons;
 mod candidates;
 mod motion;
 mod radar;
 mod start;
 #[cfg(test)]
 mod tests;
+mod weigh;
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use beacons::Pause;
+
+use crate::beacon_mode::{BeaconCluster, BeaconVisit, find_clusters};
 use crate::front_end::FrontEndRule;
-use crate::geometry::{Point2, wrap_rad};
+use crate::geometry::Point2;
 use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
-use crate::observation::candidates::{CandidateParams, SearchArea};
+use crate::observation::candidates::SearchArea;
 use crate::observation::history::{DeviceHistory, HistoryScratch};
-use crate::observation::mass_centered::Departure;
 use crate::observation::radio::RadioObservation;
-use crate::observation::{field_vector, history, mass_centered, radio, strength};
+use crate::observation::three_factors::ObservedStrengths;
+use crate::observation::{mass_centered, radio};
 use crate::particle::{
     Centre, CloudEstimate, EstimateScratch, Part, Particles, ReplenishScratch, ResampleScratch,
 };
 use crate::pedestrian::StepEvent;
 use crate::radio::fingerprint::FingerprintMatcher;
+use crate::radio::range::Range;
 use crate::random::{NormalTable, Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, PlanRule, Recipe};
 use crate::time::Timestamp;
@@ -53,6 +59,21 @@ pub struct TrackerState {
     history: DeviceHistory,
     /// Where the next candidates are looked for, when not about the last ones.
     search: Option<SearchArea>,
+    /// Mean strengths of the latest steps, for recipes that compare them.
+    #[serde(default)]
+    observed_strengths: ObservedStrengths,
+    /// Whether neither place nor direction was known at the start: what the steps say of a particle is then no evidence.
+    #[serde(default)]
+    is_start_unknown: bool,
+    /// The sum of the steps by the length model, in the level frame, in metres.
+    #[serde(default)]
+    walked: Point2,
+    /// The visit to a cluster of beacons, if there is one.
+    #[serde(default)]
+    visit: BeaconVisit,
+    /// Whether positioning pauses.
+    #[serde(default)]
+    pause: Pause,
     /// Times that every particle died and the cloud was spread anew.
     n_recoveries: u32,
     /// The first round after the start.
@@ -61,6 +82,20 @@ pub struct TrackerState {
     matched_at: Option<Timestamp>,
     /// The latest estimate: resampling loses what it was made from.
     estimate: Option<CloudEstimate>,
+}
+
+/// What the particles' place rests on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackerMode {
+    /// Steps, and what weighs them.
+    Particles,
+    /// Ranges to a cluster of beacons.
+    Beacons,
+    /// Nothing new: positioning pauses, after so many steps of which nothing was made.
+    Paused {
+        /// The steps.
+        n_steps: u32,
+    },
 }
 
 /// Runs one recipe on one floor.
@@ -72,9 +107,14 @@ pub struct Tracker {
     ways: Option<WayGrid>,
     seed: u64,
     normal: NormalTable,
+    /// Those of the floor, where the recipe follows them.
+    clusters: Vec<BeaconCluster>,
     state: TrackerState,
     scratch: Scratch,
 }
+
+/// Ranges that a place is made from, at most.
+const MAX_RANGES: usize = 64;
 
 /// Memory that one step needs and the next does not remember.
 #[derive(Clone, Debug, Default)]
@@ -88,12 +128,13 @@ struct Scratch {
     history: HistoryScratch,
     replenish: ReplenishScratch,
     matcher: FingerprintMatcher,
+    ranges: Vec<Range>,
 }
 
 impl Tracker {
     /// A tracker that knows no place yet.
     pub fn new(recipe: Recipe, floor: Arc<FloorIndex>, seed: u64) -> Self {
-        let n = recipe.n_particles.max(1);
+        let n = most_particles(&recipe);
         let window = match recipe.magnetic {
             MagneticRule::MassCentered(params) => params.window.max(1),
             MagneticRule::History(params) => params.n_values(),
@@ -124,9 +165,13 @@ impl Tracker {
             } else {
                 FingerprintMatcher::default()
             },
+            ranges: Vec::with_capacity(MAX_RANGES),
         };
+        let clusters = recipe
+            .beacons
+            .map_or(Vec::new(), |beacons| find_clusters(&floor.map().transmitters, beacons.range_m));
         let normal = NormalTable::new();
-        Self { recipe, floor, ways, seed, normal, state: TrackerState::default(), scratch }
+        Self { recipe, floor, ways, seed, normal, clusters, state: TrackerState::default(), scratch }
     }
 
     /// The recipe that runs.
@@ -147,14 +192,21 @@ impl Tracker {
     /// Continues from `state`, which a tracker with the same recipe, floor and seed has given.
     pub fn set_state(&mut self, state: TrackerState) {
         self.state = state;
+        self.reserve();
     }
 
     /// Whether `state`'s arrays are as long as this recipe's: a torn snapshot's are not.
     pub fn fits(&self, state: &TrackerState) -> bool {
-        let n = if state.is_placed { self.recipe.n_particles.max(1) } else { 0 };
-        let is_genetic = matches!(self.recipe.motion.length, LengthRule::Genetic { .. });
-        let is_scaled = matches!(self.recipe.motion.length, LengthRule::Scaled { .. });
-        let has_gyroscope = matches!(self.recipe.motion.heading, HeadingRule::Gyroscope { .. });
+        let most = self.recipe.n_particles.max(1);
+        let n = match (state.is_placed, self.recipe.spawning) {
+            (false, _) => 0,
+            (true, None) => most,
+            (true, Some(_)) => state.particles.len().clamp(1, most),
+        };
+        let length = self.recipe.motion.length;
+        let is_genetic = matches!(length, LengthRule::Genetic { .. });
+        let is_scaled = matches!(length, LengthRule::Scaled { .. });
+        let has_gyroscope = self.recipe.motion.heading.start_sd_rad().is_some();
         let (window, has_direction) = match self.recipe.magnetic {
             MagneticRule::MassCentered(params) => (params.window.max(1), params.direction.is_some()),
             _ => (0, false),
@@ -162,6 +214,10 @@ impl Tracker {
         let (n_values, n_slots) = match self.recipe.magnetic {
             MagneticRule::History(params) => (params.n_values(), params.n_slots()),
             _ => (0, 0),
+        };
+        let factors_window = match self.recipe.magnetic {
+            MagneticRule::ThreeFactors(params) => params.n_steps(),
+            _ => 0,
         };
         let a_particle = |part| match part {
             Part::Always => 1,
@@ -182,6 +238,7 @@ impl Tracker {
             Part::History => usize::from(n_values > 0),
             Part::HistoryWindow => n_values,
             Part::BleFilter => usize::from(self.recipe.ble_filter.is_some()),
+            Part::ThreeFactorsWindow => factors_window,
         };
         state.history.fits(n_slots)
             && state.particles.arrays().all(|(part, array)| array.len() == n * a_particle(part))
@@ -200,6 +257,9 @@ impl Tracker {
         let (x_m, y_m) = bits.map(|b| (coordinate(point.x_m, b[0]), coordinate(point.y_m, b[1]))).unzip();
         self.occupy(x_m, y_m);
         self.search_about(point, radius_m);
+        self.state.is_start_unknown = false;
+        self.state.pause = Pause::Running;
+        self.state.visit.leave();
     }
 
     /// The latest estimate; nothing before the particles have a place.
@@ -227,8 +287,12 @@ impl Tracker {
         if self.recipe.radar.is_some() {
             return;
         }
+        self.reckon(event);
+        if self.is_paused_by(event) {
+            return;
+        }
         if !self.state.is_placed {
-            if self.recipe.radio.is_some() && self.waits_for_radio(radio) {
+            if (self.recipe.radio.is_some() || !self.clusters.is_empty()) && self.waits_for_radio(radio) {
                 return;
             }
             self.place_unknown(radio);
@@ -237,7 +301,9 @@ impl Tracker {
             self.orient(event);
         }
         self.state.n_steps = self.state.n_steps.wrapping_add(1);
-        self.note_turn(event);
+        if let Some(spawning) = &self.recipe.spawning {
+            self.state.particles.spawn(spawning.n_children);
+        }
         self.weigh_alike();
         self.scratch.from_x_m.clone_from(&self.state.particles.x_m);
         self.scratch.from_y_m.clone_from(&self.state.particles.y_m);
@@ -266,106 +332,10 @@ impl Tracker {
         self.resample();
     }
 
-    /// Whether this recipe wants to know once a second what radio was heard.
-    pub fn uses_radio_rounds(&self) -> bool {
-        self.recipe.radar.is_some()
-    }
-
-    /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
-    pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
-        self.match_fingerprint(now, radio)
-    }
-
-    /// Remembers how far the body turned since the step before; not at all in the first step of a walk.
-    fn note_turn(&mut self, event: &StepEvent) {
-        let last_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
-        let last_rad = last_rad.filter(|_| !event.cycle.is_first);
-        let turn_rad = last_rad.map_or(0.0, |last| f64::from(event.level_heading_rad) - f64::from(last));
-        self.state.turn_rad = wrap_rad(turn_rad) as f32;
-    }
-
-    fn apply_plan(&mut self) {
-        let particles = &mut self.state.particles;
-        let (crossing, closed) = match self.recipe.plan {
-            PlanRule::Ignore => return,
-            PlanRule::Purge => (f32::NEG_INFINITY, f32::NEG_INFINITY),
-            PlanRule::Soft { crossing_log_weight, closed_log_weight } => {
-                (crossing_log_weight, closed_log_weight)
-            }
-        };
-        for i in 0..particles.x_m.len() {
-            let to = [particles.x_m[i], particles.y_m[i]];
-            if !self.floor.is_open(to[0], to[1]) {
-                particles.log_weight[i] += closed;
-                if particles.log_weight[i] == f32::NEG_INFINITY {
-                    continue;
-                }
-            }
-            if self.floor.is_blocked([self.scratch.from_x_m[i], self.scratch.from_y_m[i]], to) {
-                particles.log_weight[i] += crossing;
-            }
-        }
-    }
-
-    fn apply_routes(&mut self) {
-        let Some(routes) = self.recipe.routes else { return };
-        let distances = &self.floor.map().layers.route_distance_m;
-        let (free_m, log_weight_per_m) = routes.within(self.floor.way_band_m());
-        let particles = &mut self.state.particles;
-        for i in 0..particles.x_m.len() {
-            let (x_m, y_m) = (particles.x_m[i], particles.y_m[i]);
-            let cost = self.floor.nearest(distances, x_m, y_m).map_or(routes.min_log_weight, |d| {
-                (log_weight_per_m * (d - free_m).max(0.0)).max(routes.min_log_weight)
-            });
-            let (sin, cos) = (particles.heading_sin[i], particles.heading_cos[i]);
-            let across = self.floor.across_ways(x_m, y_m, sin, cos);
-            particles.log_weight[i] += cost + routes.across_log_weight * across;
-        }
-    }
-
-    fn apply_magnetic(&mut self, event: &StepEvent) {
-        match &self.recipe.magnetic {
-            MagneticRule::Ignore => {}
-            MagneticRule::MassCentered(params) => {
-                let Scratch { from_x_m, from_y_m, weights, .. } = &mut self.scratch;
-                let departure = Departure { from_x_m, from_y_m, turn_rad: self.state.turn_rad };
-                let TrackerState { last_observed, particles, .. } = &mut self.state;
-                mass_centered::weigh(
-                    params,
-                    &self.floor,
-                    event,
-                    departure,
-                    last_observed,
-                    particles,
-                    weights,
-                );
-            }
-            MagneticRule::Strength(params)
-            | MagneticRule::Candidates(CandidateParams { strength: params, .. }) => {
-                if let Some(observed_ut) = event.end_strength_ut {
-                    strength::update(params, &self.floor, observed_ut, &mut self.state.particles);
-                }
-            }
-            MagneticRule::FieldVector(params) => {
-                if event.field_bias_reset {
-                    field_vector::forget_bias(params, &mut self.state.particles);
-                }
-                if let Some(field) = &event.forward_field {
-                    field_vector::update(params, &self.floor, field, &mut self.state.particles);
-                }
-            }
-            MagneticRule::History(params) if event.cycle.is_first && self.is_card() => {
-                // The way between was not heard of.
-                history::forget(params, &mut self.state.history, &mut self.state.particles);
-            }
-            // Who stands reads the same again: half a minute of that would wipe the history out.
-            MagneticRule::History(_) if event.n_steps == 0 => {}
-            MagneticRule::History(params) => {
-                let Scratch { from_x_m, from_y_m, history: scratch, .. } = &mut self.scratch;
-                let (device, particles) = (&mut self.state.history, &mut self.state.particles);
-                let from_m = [&**from_x_m, &**from_y_m];
-                history::update(params, &self.floor, &event.reads, from_m, device, particles, scratch);
-            }
+    /// Reserves the room that a step takes, so that none has to be found in it.
+    fn reserve(&mut self) {
+        if self.recipe.spawning.is_some() {
+            self.state.particles.reserve(most_particles(&self.recipe));
         }
     }
 
@@ -421,6 +391,12 @@ impl Tracker {
     }
 
     fn resample(&mut self) {
+        if let Some(spawning) = &self.recipe.spawning {
+            let u = uniform(draw(self.seed, self.state.n_steps, 0, Purpose::Resampling)[0]);
+            let (n_max, Scratch { weights, resample, .. }) = (self.recipe.n_particles, &mut self.scratch);
+            self.state.particles.thin(spawning, n_max, weights, u, resample);
+            return;
+        }
         let n = self.state.particles.len() as f64;
         let is_degenerate = self
             .state
@@ -444,4 +420,10 @@ impl Tracker {
             }
         }
     }
+}
+
+/// The most particles that there are at any moment of a step.
+fn most_particles(recipe: &Recipe) -> usize {
+    let n_children = recipe.spawning.map_or(1, |spawning| spawning.n_children.max(1));
+    recipe.n_particles.max(1).saturating_mul(n_children)
 }

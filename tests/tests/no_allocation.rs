@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
-use fieldwalk::positioner::Positioner;
+use fieldwalk::positioner::{Mode, Positioner};
 use fieldwalk::system::Recipe;
 use fieldwalk_tests::synthetic::Floor;
 
@@ -86,6 +86,34 @@ fn no_push_allocates_once_the_walk_has_begun() {
         }
         assert_eq!(n_watched, 50, "{name}");
     }
+}
+
+#[test]
+fn no_push_allocates_inside_a_cluster_of_beacons() {
+    let floor = Floor::new(1);
+    let mut map = floor.surveyed_map().unwrap();
+    // Three beacons moved together, and so weak that they seem near from everywhere.
+    for (transmitter, (x_m, y_m)) in
+        map.transmitters.iter_mut().zip([(10.0, 10.0), (13.0, 10.0), (11.5, 12.5)])
+    {
+        transmitter.position = Point2::new(x_m, y_m);
+        (transmitter.power_at_1m_dbm, transmitter.path_loss_exponent) = (-80.0, 4.0);
+    }
+    let index = Arc::new(FloorIndex::new(map));
+    let walk = floor.round_trip(1);
+    let mut positioner = Positioner::new(index, Recipe::ibill(), 3);
+    positioner.hint(walk.hint(Point2::default()).unwrap()).unwrap();
+    let (mut n_fixes, mut n_inside) = (0, 0);
+    for sample in &walk.samples {
+        let mut fix = None;
+        let n_allocations = allocations(|| fix = positioner.push(*sample));
+        n_fixes += u32::from(fix.is_some());
+        n_inside += u32::from(fix.is_some_and(|fix| fix.mode == Mode::Beacon));
+        if n_fixes > 10 {
+            assert_eq!(n_allocations, 0, "fix {n_fixes}: {sample:?}");
+        }
+    }
+    assert!(n_inside > 50, "{n_inside} of {n_fixes}");
 }
 
 #[test]

@@ -140,16 +140,23 @@ fn who_stands_stays() {
                 positioner.push(*sample);
             }
             let stopped = positioner.fix().unwrap();
+            let settled = walk.samples.last().unwrap().time + Duration::from_millis(1_000);
             for sample in standing(&walk, 30) {
                 let fix = positioner.push(sample);
                 // A card has a round a second, with or without steps.
                 let is_step = fix.is_some_and(|fix| name != "card" || fix.speed_m_s > 0.0);
-                assert!(!is_step, "{name}: a step in standing");
+                // WILA's filter of 51 taps at 50 Hz tells the last steps of the walk half a second late.
+                let is_late = name == "wila" && sample.time < settled;
+                assert!(!is_step || is_late, "{name}: a step in standing");
             }
             let stood = positioner.fix().unwrap();
             let moved_m = stood.position.distance_m(stopped.position);
-            // A card's last round of the walk ends in standing.
-            let most_m = if name == "card" { 2.0 } else { 0.5 };
+            // A card's last round of the walk ends in standing, and so does what WILA's filter tells late.
+            let most_m = match name {
+                "card" => 2.0,
+                "wila" => 1.0,
+                _ => 0.5,
+            };
             assert!(moved_m < most_m, "{name}, seed {seed}: moved {moved_m:.2} m");
             assert_eq!((stood.speed_m_s, stood.mode), (0.0, Mode::ParticleFilter), "{name}");
         }

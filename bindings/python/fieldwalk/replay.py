@@ -48,7 +48,7 @@ class Replayed:
     radius_68_m: np.ndarray
     #: Radius that holds the truth 95 times of a hundred, in metres.
     radius_95_m: np.ndarray
-    #: What the fix rests on: the value of a ``FixMode``.
+    #: What the fix rests on: the name of a ``FixMode``, such as ``PARTICLE_FILTER``.
     mode: np.ndarray
     #: When the walker stood at each waypoint, in nanoseconds.
     waypoint_time_ns: np.ndarray
@@ -183,7 +183,7 @@ def _replayed(fixes, waypoints, status, losses) -> Replayed:
         covariance_m2=column(covariance_m2).reshape(-1, 2, 2),
         radius_68_m=column(lambda fix: fix.radius_68_m),
         radius_95_m=column(lambda fix: fix.radius_95_m),
-        mode=column(lambda fix: fix.mode.value, np.int8),
+        mode=column(lambda fix: fix.mode.name, str),
         waypoint_time_ns=at["time_ns"],
         waypoint_m=np.column_stack([at["x_m"], at["y_m"]]),
         waypoint_fix=at["fix"],

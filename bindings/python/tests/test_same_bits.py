@@ -65,6 +65,7 @@ class SameBits(unittest.TestCase):
         np.testing.assert_allclose(apart_m[1:], replayed.waypoint_error_m[1:])
         self.assertTrue(np.isnan(replayed.waypoint_error_m[0]) and replayed.median_error_m < 3.0)
         self.assertTrue((replayed.radius_95_m > replayed.radius_68_m).all())
+        self.assertIn("PARTICLE_FILTER", replayed.mode)
         self.assertEqual(replayed.status.missing, [])
         self.assertFalse(replayed.losses.was_cut)
 

@@ -63,7 +63,14 @@ def open_map():
 class FixBits:
     """The digest that `fieldwalk replay --bits` prints, of fixes as Python sees them; defined in cli/src/bits.rs."""
 
-    MODES = {FixMode.STARTED: 0, FixMode.PARTICLE_FILTER: 1, FixMode.STALE: 2}
+    MODES = {
+        FixMode.STARTED: 0,
+        FixMode.PARTICLE_FILTER: 1,
+        FixMode.STALE: 2,
+        FixMode.BEACON: 3,
+        FixMode.PAUSED: 4,
+        FixMode.OTHER: 255,
+    }
 
     def __init__(self):
         self._digest = hashlib.sha256()
@@ -79,7 +86,7 @@ class FixBits:
         )  # fmt: skip
         # One NaN for all.
         numbers = [nan if number != number else number for number in numbers]
-        self._digest.update(struct.pack("<qi12dB", fix.time_ns, fix.floor, *numbers, self.MODES.get(fix.mode, 255)))
+        self._digest.update(struct.pack("<qi12dB", fix.time_ns, fix.floor, *numbers, self.MODES[fix.mode]))
 
     def hex(self):
         return self._digest.hexdigest()

@@ -104,7 +104,7 @@ fn map_floor(
     walks: &Walks,
     params: &SurveyParams,
 ) -> Result<FloorMap, Stop> {
-    if walks.used.len() == walks.n_without_steps {
+    if walks.used.is_empty() {
         return Err(Stop::Failed(no_walk(found, floor, walks)));
     }
     build_floor(&floor.name, floor_ordinal(&floor.name), &floor.plan, &walks.used, params)

@@ -253,6 +253,8 @@ pub(crate) fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Started => "started",
         Mode::ParticleFilter => "walking",
+        Mode::Beacon => "by beacons",
+        Mode::Paused => "paused",
         Mode::Stale => "stale",
         _ => "other",
     }

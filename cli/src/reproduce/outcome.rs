@@ -70,7 +70,8 @@ impl Outcome {
             Some(finding) if needs_interval && finding.n_seeds < 2 => {
                 Some("one seed gives no interval: ask for more".to_owned())
             }
-            Some(finding) => Some(finding.likely_cause.clone()).filter(|cause| !cause.is_empty()),
+            Some(finding) if finding.likely_cause.is_empty() => Some("not known".to_owned()),
+            Some(finding) => Some(finding.likely_cause.clone()),
         };
         Self {
             id: claim.id,

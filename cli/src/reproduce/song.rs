@@ -28,7 +28,8 @@ const N_PLACES: usize = 14;
 const FIRST_PLACE: Point2 = Point2::new(26.0, 0.9);
 /// The start is known to five metres: the circle round this square.
 const START: Start = Start::Known { radius_m: 3.5 };
-/// One phone surveys and tests, as in the paper.
+/// One phone surveys and tests, as in the paper, and one person carries it: whoever is taller holds it where the field is
+/// another.
 const PHONE: u64 = 1;
 /// A fix is asked of who stands after so many seconds.
 const STOOD_S: i64 = 2;
@@ -46,7 +47,7 @@ fn errors_m(seed: u64) -> [Vec<f64>; 3] {
         let error_m = |k: usize| {
             let place = FIRST_PLACE + Point2::new(k as f64, 0.0);
             let one = seed * N_PLACES as u64 + k as u64;
-            let walker = WalkerProfile::drawn(one);
+            let walker = WalkerProfile::default();
             let before_m = n_steps * walker.step_length_m(walker.speed_m_s);
             // Who stands goes on from there, after the fix.
             let path = if n_steps > 0.0 {

@@ -5,12 +5,14 @@
 //! reason. Systems run as their recipes say, and know nothing of this.
 
 use fieldwalk::geometry::Point2;
+use fieldwalk::random::CounterRng;
 use fieldwalk_sim::building::{Aisle, Building, GridBuilding};
 use fieldwalk_sim::magnetic_field::SteelParams;
 use fieldwalk_sim::phone::{PhoneModel, SensorModel};
 use fieldwalk_sim::radio::RadioScene;
 use fieldwalk_sim::scenario::Scenario;
 use fieldwalk_sim::walker::WalkerProfile;
+use rand::RngExt as _;
 
 /// The office of mass-centred 2019: 60 × 40 m, ceiling 3 m, corridors of 1.6 and 0.7 m, rooms between and around.
 ///
@@ -102,6 +104,26 @@ pub fn ibill_clusters(seed: u64) -> Scenario {
     hall.radio.transmitters.iter_mut().for_each(|beacon| beacon.place_m[2] = 1.1);
     hall
 }
+
+/// A trace through that hall: from one cluster to the other and back, with two turns by chance on either way.
+///
+/// # Source
+/// iBILL 2017, Fig. 9, draws a trace that passes both clusters; its corners are ours.
+pub fn ibill_trace(seed: u64) -> Vec<Point2> {
+    let mut rng = CounterRng::new(seed, 0x6962_696c);
+    let mut corner =
+        |low_m: f64, high_m: f64| Point2::new(rng.random_range(low_m..high_m), rng.random_range(4.0..26.0));
+    let clusters = [Point2::new(5.0, 15.0), Point2::new(55.0, 15.0)];
+    let out = [corner(12.0, 28.0), corner(32.0, 48.0)];
+    let back = [corner(32.0, 48.0), corner(12.0, 28.0)];
+    [&clusters[..1], &out, &clusters[1..], &back, &clusters[..1]].concat()
+}
+
+/// Heights of the five users of iBILL 2017, in metres, from 1.57 to the tallest's 1.95; the third surveys.
+///
+/// # Source
+/// The ends are the paper's, those between ours.
+pub const IBILL_HEIGHTS_M: [f64; 5] = [1.57, 1.65, 1.73, 1.82, 1.95];
 
 /// The office of Kwak 2018: 20.5 × 16 m, three rooms, four access points in the corners, a steel frame.
 ///

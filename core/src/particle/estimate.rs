@@ -53,6 +53,9 @@ impl Default for EstimateScratch {
 
 impl CloudEstimate {
     /// The estimate of `particles` under `weights` (any positive scale); nothing when the weights sum to zero.
+    ///
+    /// # Source
+    /// iBILL 2017, Eq. 14, and the other papers alike: the weighted mean.
     pub fn of(particles: &Particles, weights: &[f32], scratch: &mut EstimateScratch) -> Option<Self> {
         Self::centred(Centre::Mean, particles, weights, scratch)
     }

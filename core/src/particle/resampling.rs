@@ -27,7 +27,7 @@ pub enum Resampling {
 /// Memory that one step needs and the next does not remember.
 #[derive(Clone, Debug, Default)]
 pub struct ResampleScratch {
-    ancestors: Vec<u32>,
+    pub(super) ancestors: Vec<u32>,
     gathered: Vec<f32>,
     drawn: Vec<u32>,
 }

@@ -9,6 +9,7 @@ use crate::particle::CloudEstimate;
 use crate::step::StepCycle;
 use crate::system::AccuracyParams;
 use crate::time::Timestamp;
+use crate::tracker::TrackerMode;
 
 /// An open step later than its period by more than this is no step: the walker has stopped, in seconds.
 const STOP_AFTER_S: f64 = 0.4;
@@ -16,6 +17,8 @@ const STOP_AFTER_S: f64 = 0.4;
 const STALE_AFTER_S: f64 = 5.0;
 /// A stale fix's radii grow at a walker's pace, in m/s.
 const STALE_GROWTH_M_S: f64 = 1.3;
+/// A paused fix's radii grow with every step that nothing was made of, in metres.
+const PAUSED_GROWTH_M: f64 = 0.65;
 /// Ratio of the 95 % to the 68 % radius of a circular normal: sqrt(ln 0.05 / ln 0.32).
 const RATIO_95_TO_68: f64 = 1.621;
 
@@ -28,6 +31,11 @@ pub enum Mode {
     Started,
     /// The particle filter follows the steps.
     ParticleFilter,
+    /// Ranges to a cluster of beacons tell the place.
+    Beacon,
+    /// The phone is in a pocket or shaken, and the system pauses then: the position is the last one known, its radius
+    /// grows.
+    Paused,
     /// No sample for more than five seconds: the position is the last one known, its radius grows.
     Stale,
 }
@@ -66,6 +74,7 @@ pub(crate) struct Inputs<'a> {
     pub map: &'a FloorMap,
     pub accuracy: AccuracyParams,
     pub estimate: &'a CloudEstimate,
+    pub mode: TrackerMode,
     pub step_length_m: f64,
     pub last_step: Option<StepCycle>,
     /// How far the device has turned since the last step, in radians.
@@ -81,10 +90,14 @@ pub(crate) fn assemble(inputs: &Inputs<'_>) -> Fix {
         *inputs;
     let silent_s = last_heard.map_or(0.0, |last| time.secs_since(last)).max(0.0);
     let is_stale = silent_s > STALE_AFTER_S;
+    let paused_steps = match inputs.mode {
+        TrackerMode::Paused { n_steps } => Some(n_steps),
+        _ => None,
+    };
     let heading_rad = wrap_rad(estimate.heading_rad + turned_rad);
     let mut position = Point2::new(estimate.x_m, estimate.y_m);
     let mut speed_m_s = 0.0;
-    if let Some(step) = last_step.filter(|_| !is_stale) {
+    if let Some(step) = last_step.filter(|_| !is_stale && paused_steps.is_none()) {
         let period_s = step.end.secs_since(step.start);
         let open_s = time.secs_since(step.end);
         if open_s < period_s + STOP_AFTER_S {
@@ -93,7 +106,8 @@ pub(crate) fn assemble(inputs: &Inputs<'_>) -> Fix {
             speed_m_s = step_length_m / period_s;
         }
     }
-    let growth_m = if is_stale { STALE_GROWTH_M_S * (silent_s - STALE_AFTER_S) } else { 0.0 };
+    let stale_m = if is_stale { STALE_GROWTH_M_S * (silent_s - STALE_AFTER_S) } else { 0.0 };
+    let growth_m = stale_m + PAUSED_GROWTH_M * f64::from(paused_steps.unwrap_or(0));
     let radius_m = |cloud_m: f64, floor_m: f64| {
         let scaled_m = f64::from(accuracy.scale) * cloud_m;
         (scaled_m * scaled_m + floor_m * floor_m).sqrt() + growth_m
@@ -109,10 +123,12 @@ pub(crate) fn assemble(inputs: &Inputs<'_>) -> Fix {
         covariance_m2: estimate.covariance_m2,
         radius_68_m: radius_m(estimate.radius_68_m, floor_m),
         radius_95_m: f64::from(accuracy.tail) * radius_m(estimate.radius_95_m, RATIO_95_TO_68 * floor_m),
-        mode: match last_step {
+        mode: match (inputs.mode, last_step) {
             _ if is_stale => Mode::Stale,
-            None => Mode::Started,
-            Some(_) => Mode::ParticleFilter,
+            (TrackerMode::Paused { .. }, _) => Mode::Paused,
+            (TrackerMode::Beacons, _) => Mode::Beacon,
+            (TrackerMode::Particles, None) => Mode::Started,
+            (TrackerMode::Particles, Some(_)) => Mode::ParticleFilter,
         },
         attitude: if is_stale { Attitude::Unknown } else { inputs.attitude.attitude },
         carry_mode: if is_stale { CarryMode::Unknown } else { inputs.attitude.carry_mode },

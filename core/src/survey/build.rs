@@ -95,8 +95,6 @@ impl core::error::Error for SurveyError {}
 /// The tracks of a survey and what was read along them, ready to be gridded.
 pub(super) struct Surveyed {
     pub tracks: Vec<(u32, SurveyTrack)>,
-    /// Tracks without a step: their sensors failed, and yet somebody walked there.
-    pub bare_tracks: Vec<(u32, SurveyTrack)>,
     /// Field x, y, z and strength.
     pub readings: Vec<Reading<4>>,
     pub deviations: Vec<Deviation>,
@@ -130,8 +128,6 @@ pub fn check_extent(plan: &FloorPlan, params: &SurveyParams) -> Result<(), Surve
 }
 
 /// Builds a floor's map from its plan and the walks that surveyed it.
-///
-/// A walk without a step, whose accelerometer failed, counts for the routes alone.
 ///
 /// # Errors
 /// [`SurveyError`] when the plan has no extent or is too large, no walk can be laid out, or none has a magnetometer.
@@ -173,11 +169,12 @@ pub fn build_floor(
 impl Surveyed {
     /// Lays out all `walks`.
     pub fn of(walks: &[SurveyWalk]) -> Self {
-        let (tracks, bare_tracks): (Vec<(u32, SurveyTrack)>, Vec<_>) = walks
+        let tracks: Vec<(u32, SurveyTrack)> = walks
             .iter()
             .enumerate()
             .filter_map(|(k, walk)| Some((k as u32, SurveyTrack::of(walk)?)))
-            .partition(|(_, track)| !track.steps().is_empty());
+            .filter(|(_, track)| !track.steps().is_empty())
+            .collect();
         let (mut readings, mut deviations) = (Vec::new(), Vec::new());
         for (walk, track) in &tracks {
             for step in track.steps() {
@@ -195,13 +192,12 @@ impl Surveyed {
                 });
             }
         }
-        Self { tracks, bare_tracks, readings, deviations }
+        Self { tracks, readings, deviations }
     }
 
     /// The surveyed lines: the waypoints of each walk but `left_out`, joined.
     pub fn routes(&self, left_out: Option<u32>) -> Vec<Vec<Point2>> {
-        let tracks = self.tracks.iter().chain(&self.bare_tracks);
-        let others = tracks.filter(|(walk, _)| Some(*walk) != left_out);
+        let others = self.tracks.iter().filter(|(walk, _)| Some(*walk) != left_out);
         others.map(|(_, track)| track.waypoints().iter().map(|w| w.point).collect()).collect()
     }
 }

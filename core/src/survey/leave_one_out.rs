@@ -89,6 +89,7 @@ impl<'a> LeaveOneOut<'a> {
                 map: tracker.floor().map(),
                 accuracy: recipe.accuracy,
                 estimate,
+                mode: tracker.mode(),
                 step_length_m: tracker.step_length_m(),
                 last_step,
                 turned_rad: 0.0,

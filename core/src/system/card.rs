@@ -34,6 +34,7 @@ impl Recipe {
                 direction_sd_rad: DIRECTION_SD_RAD,
                 length: LengthRule::Alike { mean_m: STRIDE_M, round_sd_m: 0.5 * STRIDE_M },
             },
+            spawning: None,
             plan: PlanRule::Purge,
             routes: None,
             magnetic: MagneticRule::History(HistoryParams {
@@ -45,6 +46,7 @@ impl Recipe {
                 counts_once: true,
             }),
             radio: None,
+            beacons: None,
             radar: None,
             ble_filter: Some(BleFilterParams::default()),
             replenish: Some(ReplenishParams::default()),

@@ -27,6 +27,7 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
+            spawning: None,
             plan: PlanRule::Purge,
             routes: None,
             magnetic: MagneticRule::History(HistoryParams {
@@ -38,6 +39,7 @@ impl Recipe {
                 counts_once: false,
             }),
             radio: None,
+            beacons: None,
             radar: None,
             ble_filter: None,
             replenish: None,

@@ -23,6 +23,7 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
+            spawning: None,
             plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
             routes: Some(RouteParams {
                 start_power: 2.0,
@@ -37,6 +38,7 @@ impl Recipe {
             radar: None,
             ble_filter: None,
             replenish: None,
+            beacons: None,
             resample_below: 0.7,
             resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.3, floor_m: 1.25, tail: 1.15 },

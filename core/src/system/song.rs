@@ -4,14 +4,10 @@ use crate::front_end::FrontEndRule;
 use crate::observation::candidates::CandidateParams;
 use crate::observation::strength::StrengthParams;
 use crate::particle::Resampling;
-use crate::step::StepLengthModel;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     StartRule,
 };
-
-/// The paper's steps are not described: the frequency model is not enough for all walkers, so the fitted one.
-const LENGTH: StepLengthModel = FITTED_LENGTH;
 
 impl Recipe {
     /// Ten candidates a round: the map's points of the most similar strength, weighed by reachability and strength; the
@@ -19,15 +15,17 @@ impl Recipe {
     ///
     /// # Source
     /// Song 2014, §3: `k` = 10. Ours are the radius after the first round, the density of the reach (what steps and
-    /// compass miss in a step, and half a cell of the map) and `σ_r`.
+    /// compass miss in a step, and half a cell of the map) and `σ_r`. Ten points by strength alone out of a wider circle
+    /// run away with a phone that carries iron of its own: in the simulated ring the median error is 1.5 m with these,
+    /// 15 m with 2 m and 0.6 m.
     pub fn candidates() -> Self {
         Self {
             name: "candidates".into(),
             n_particles: 10,
             magnetic: MagneticRule::Candidates(CandidateParams {
                 strength: StrengthParams::default(),
-                radius_m: 2.0,
-                reach_sd_m: Some(0.6),
+                radius_m: 0.8,
+                reach_sd_m: Some(0.3),
             }),
             accuracy: AccuracyParams { scale: 2.0, floor_m: 3.0, tail: 1.5 },
             ..Self::particle_100()
@@ -63,7 +61,7 @@ impl Recipe {
             front_end: FrontEndRule::Phone,
             start: StartRule::Routes,
             n_particles: 100,
-            length: LENGTH,
+            length: FITTED_LENGTH,
             motion: MotionParams {
                 heading: HeadingRule::CompensatedCompass,
                 direction_sd_rad: 0.2,
@@ -73,6 +71,8 @@ impl Recipe {
             routes: None,
             magnetic: MagneticRule::Strength(StrengthParams::default()),
             radio: None,
+            beacons: None,
+            spawning: None,
             radar: None,
             ble_filter: None,
             replenish: None,

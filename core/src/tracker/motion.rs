@@ -1,5 +1,6 @@
 //! How particles move at a step.
 
+use crate::geometry::{Point2, wrap_rad};
 use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
 use crate::step::turned_length_m;
@@ -7,6 +8,17 @@ use crate::system::{HeadingRule, LengthRule};
 use crate::tracker::Tracker;
 
 impl Tracker {
+    /// Remembers how far the body turned since the step before, and where the steps alone have led, whatever is made of it.
+    pub(super) fn reckon(&mut self, event: &StepEvent) {
+        let heading_rad = f64::from(event.level_heading_rad);
+        let last_rad = self.state.last_level_heading_rad.replace(event.level_heading_rad);
+        // Before the first step of a walk the body turns as it likes.
+        let last_rad = last_rad.filter(|_| !event.cycle.is_first);
+        self.state.turn_rad = last_rad.map_or(0.0, |last| wrap_rad(heading_rad - f64::from(last)) as f32);
+        let step_m = f64::from(event.n_steps) * f64::from(self.recipe.length.advance_m(&event.cycle));
+        self.state.walked = self.state.walked + Point2::from_polar(step_m, heading_rad);
+    }
+
     /// Moves every particle by its steps, each of its own length, in its own direction.
     pub(super) fn move_particles(&mut self, event: &StepEvent) {
         let modelled_m = self.recipe.length.advance_m(&event.cycle);
@@ -19,6 +31,8 @@ impl Tracker {
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
+        let turn_rad = self.state.turn_rad.abs();
+        let is_weighed = !self.state.is_start_unknown;
         for i in 0..n {
             let bits = draw(self.seed, self.state.n_steps, i as u32, Purpose::Motion);
             let noise = bits.map(|b| self.normal.sample(b));
@@ -36,6 +50,11 @@ impl Tracker {
                     turned * length_m
                 }
                 LengthRule::Alike { mean_m, round_sd_m } => mean_m + round_sd_m * noise[1],
+                LengthRule::Interval { spread, half_width_sd } => {
+                    let z = half_width_sd * (2.0 * uniform(bits[1]) - 1.0);
+                    particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
+                    modelled_m + spread.sd_m(modelled_m) * z
+                }
             }
             .clamp(0.0, 1.5)
                 * n_steps;
@@ -63,6 +82,14 @@ impl Tracker {
                         self.ways.as_ref().map(|ways| ways.heading(x_m, y_m, raw, last, uniform(bits[2])));
                     taken.unwrap_or(raw).into()
                 }
+                HeadingRule::GyroscopeTurns { sd_rad, half_width_sd, from_rad, .. } => {
+                    if turn_rad >= from_rad {
+                        let z = half_width_sd * (2.0 * uniform(bits[2]) - 1.0);
+                        particles.log_weight[i] += if is_weighed { log_normal(z) } else { 0.0 };
+                        particles.heading_offset_rad[i] += sd_rad * z;
+                    }
+                    libm::sincosf(event.level_heading_rad + particles.heading_offset_rad[i])
+                }
             };
             particles.heading_sin[i] = sin;
             particles.heading_cos[i] = cos;
@@ -73,6 +100,15 @@ impl Tracker {
         }
         self.state.step_length_m = lengths_m / n.max(1) as f64;
     }
+}
+
+/// Logarithm of the normal density at `z` standard deviations, over that at the mean.
+///
+/// # Source
+/// iBILL 2017, Eqs 15 and 16; their normalisation over particles is left to the weights' own.
+#[inline]
+fn log_normal(z: f32) -> f32 {
+    -0.5 * z * z
 }
 
 /// Sine and cosine of a small angle by their series: within 1e-3 below one radian, where noise lives.

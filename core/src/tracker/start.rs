@@ -50,6 +50,7 @@ impl Tracker {
                 particles.gene_b_m = genes.iter().map(|g| b_m + b_sd_m * g[1]).collect();
             }
             LengthRule::Alike { .. } => {}
+            LengthRule::Interval { .. } => {}
         }
         match &self.recipe.magnetic {
             MagneticRule::Ignore | MagneticRule::Strength(_) | MagneticRule::Candidates(_) => {}
@@ -80,6 +81,9 @@ impl Tracker {
                 particles.history_log_weight = vec![0.0; n];
                 self.state.history.start_anew(params);
             }
+            MagneticRule::ThreeFactors(params) => {
+                particles.recent_strengths_ut = vec![f32::NAN; n * params.n_steps()];
+            }
         }
         if self.recipe.ble_filter.is_some() {
             particles.n_rounds_outside = vec![0.0; n];
@@ -95,6 +99,7 @@ impl Tracker {
         self.state.particles = particles;
         self.state.is_placed = true;
         self.state.is_oriented = false;
+        self.reserve();
         self.weigh_alike();
         self.weigh();
         self.estimate_cloud(Centre::Mean);
@@ -110,7 +115,7 @@ impl Tracker {
             self.floor.is_open(x_m as f32, y_m as f32)
         };
         let is_start = |node: &usize| match self.recipe.start {
-            StartRule::Routes => is_route(*node),
+            StartRule::Routes | StartRule::Circle { .. } => is_route(*node),
             StartRule::WholeFloor => is_open(*node),
         };
         let mut nodes: Vec<usize> = (0..frame.len()).filter(is_start).collect();
@@ -151,34 +156,36 @@ impl Tracker {
         }
         self.occupy(x_m, y_m);
         self.state.search = Some(SearchArea::EVERYWHERE);
+        self.state.is_start_unknown = matches!(self.recipe.start, StartRule::Circle { .. });
     }
 
     /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
     pub(super) fn orient(&mut self, event: &StepEvent) {
         self.state.is_oriented = true;
-        let start_sd_rad = match self.recipe.motion.heading {
-            HeadingRule::CompensatedCompass | HeadingRule::Compass => return,
-            HeadingRule::Gyroscope { start_sd_rad, .. } => start_sd_rad,
-            HeadingRule::Pathway(_) => {
-                // The heading before the first: the compass's.
-                let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
-                let (sin, cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
-                self.state.particles.heading_sin.fill(sin);
-                self.state.particles.heading_cos.fill(cos);
-                return;
-            }
-        };
+        if let HeadingRule::Pathway(_) = self.recipe.motion.heading {
+            // The heading before the first: the compass's.
+            let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
+            let (sin, cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
+            self.state.particles.heading_sin.fill(sin);
+            self.state.particles.heading_cos.fill(cos);
+        }
+        let Some(start_sd_rad) = self.recipe.motion.heading.start_sd_rad() else { return };
         let deviations = &self.floor.map().layers.compass_deviation_rad;
         let (seed, step) = (self.seed, self.state.n_steps);
+        let n_directions = self.directions_and_number().0;
+        let azimuth_rad = event.azimuth_rad().filter(|_| !self.state.is_start_unknown);
         let particles = &mut self.state.particles;
         particles.heading_offset_rad.clear();
         for i in 0..particles.x_m.len() {
             let bits = draw(seed, step, i as u32, Purpose::Genes);
-            let offset = match event.azimuth_rad() {
+            let offset = match azimuth_rad {
                 Some(azimuth) => {
                     let deviation =
                         self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
                     azimuth + deviation - event.level_heading_rad + start_sd_rad * self.normal.sample(bits[2])
+                }
+                None if self.state.is_start_unknown => {
+                    core::f32::consts::TAU * (i % n_directions) as f32 / n_directions as f32
                 }
                 None => core::f32::consts::TAU * uniform(bits[2]),
             };
@@ -190,13 +197,18 @@ impl Tracker {
     pub(super) fn recover(&mut self) {
         self.state.n_recoveries += 1;
         let Some(estimate) = self.state.estimate else { return };
-        let offsets = core::mem::take(&mut self.state.particles.heading_offset_rad);
-        let sin = core::mem::take(&mut self.state.particles.heading_sin);
-        let cos = core::mem::take(&mut self.state.particles.heading_cos);
+        let dead = core::mem::take(&mut self.state.particles);
+        let is_start_unknown = self.state.is_start_unknown;
         self.place(Point2::new(estimate.x_m, estimate.y_m), RECOVERY_RADIUS_M);
-        self.state.particles.heading_offset_rad = offsets;
-        self.state.particles.heading_sin = sin;
-        self.state.particles.heading_cos = cos;
+        self.state.is_start_unknown = is_start_unknown;
+        let particles = &mut self.state.particles;
+        // Where particles spawn, more or fewer may have died than begin.
+        let n = particles.len();
+        let kept = |array: &[f32]| array.iter().copied().cycle().take(n).collect();
+        particles.heading_offset_rad = kept(&dead.heading_offset_rad);
+        particles.heading_sin = kept(&dead.heading_sin);
+        particles.heading_cos = kept(&dead.heading_cos);
         self.state.is_oriented = true;
+        self.reserve();
     }
 }

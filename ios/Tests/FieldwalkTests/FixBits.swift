@@ -23,6 +23,8 @@ struct FixBits {
             case .started: 0
             case .particleFilter: 1
             case .stale: 2
+            case .beacon: 3
+            case .paused: 4
             case .other: 255
             }
         append(mode)

@@ -106,7 +106,7 @@ impl FloorReport {
             ordinal: map.ordinal,
             file: file.map_or_else(String::new, |file| file.file.clone()),
             file_bytes: file.map_or(0, |file| file.n_bytes),
-            n_walks: walks.used.len() - walks.n_without_steps,
+            n_walks: walks.used.len(),
             refused_walks: refused.collect(),
             n_steps: walks.used.iter().map(|walk| walk.steps().len()).sum(),
             n_lines_rejected: walks.n_lines_rejected,

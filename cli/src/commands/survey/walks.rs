@@ -18,11 +18,9 @@ use crate::walks::ReadWalk;
 /// A floor's walks, in order of their files' names.
 #[derive(Debug, Default)]
 pub struct Walks {
-    /// Those that the map is made of; the last ones have no steps, and count as routes alone.
+    /// Those that the map is made of.
     pub used: Vec<SurveyWalk>,
-    /// How many of them have no steps.
-    pub n_without_steps: usize,
-    /// Those left out, or without steps, and why.
+    /// Those left out, and why.
     pub refused: Vec<RefusedWalk>,
     /// Lines not understood, in the walks used.
     pub n_lines_rejected: u64,
@@ -70,23 +68,15 @@ impl Walks {
             .collect();
         bar.finish_and_clear();
         let mut walks = Self::default();
-        let mut without_steps = Vec::new();
         for (path, read) in paths.into_iter().zip(read) {
-            let mut refuse = |reason| walks.refused.push(RefusedWalk { path: path.clone(), reason });
             match read.map_err(reason_of).and_then(|read| usable(read, floor)) {
-                Ok((ReadWalk { walk, .. }, Some(reason))) => {
-                    refuse(reason);
-                    without_steps.push(walk);
-                }
-                Ok((ReadWalk { walk, lines, losses, .. }, None)) => {
+                Ok(ReadWalk { walk, lines, losses, .. }) => {
                     walks.count(path, &lines, &losses);
                     walks.used.push(walk);
                 }
-                Err(reason) => refuse(reason),
+                Err(reason) => walks.refused.push(RefusedWalk { path: path.clone(), reason }),
             }
         }
-        walks.n_without_steps = without_steps.len();
-        walks.used.extend(without_steps);
         walks
     }
 
@@ -121,8 +111,8 @@ fn reason_of(error: FormatError) -> String {
     format!("{line}{}{remedy}", error.message())
 }
 
-/// `read`, if it was walked on `floor`, and what is wrong with it if it places no steps there.
-fn usable(read: ReadWalk, floor: &Floor) -> Result<(ReadWalk, Option<String>), String> {
+/// `read`, if it places steps on `floor`.
+fn usable(read: ReadWalk, floor: &Floor) -> Result<ReadWalk, String> {
     if let Some(name) =
         read.floor_name.as_ref().filter(|name| floor_ordinal(name) != floor_ordinal(&floor.name))
     {
@@ -141,10 +131,9 @@ fn usable(read: ReadWalk, floor: &Floor) -> Result<(ReadWalk, Option<String>), S
             Err(format!("{n} waypoints, where two are needed{lines} (tap one at both ends of a line)"))
         }
         Some(track) if track.steps().is_empty() => {
-            let reason = "no steps between its waypoints, so that it counts as a route alone";
-            Ok((read, Some(format!("{reason}{lines} (record the accelerometer, and walk)"))))
+            Err(format!("no steps between its waypoints{lines} (record the accelerometer, and walk)"))
         }
-        Some(_) => Ok((read, None)),
+        Some(_) => Ok(read),
     }
 }
 

@@ -200,7 +200,7 @@ impl Classifier {
 
 /// The strides of one who trains: upward and forward at any inclination, so level and inclined in turns.
 fn count(office: &Scenario, person: u64) -> EventCounts {
-    let mode = if person % 2 == 0 { CarryMode::HeldLevel } else { CarryMode::HeldUpright };
+    let mode = if person.is_multiple_of(2) { CarryMode::HeldLevel } else { CarryMode::HeldUpright };
     let mut counter = StrideCounter::new(UPWARD_G);
     samples(office, mode, TRAINED_STEPS, person).iter().for_each(|sample| counter.push(sample));
     *counter.counts()

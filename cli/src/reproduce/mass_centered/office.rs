@@ -16,6 +16,10 @@ use crate::reproduce::{Estimate, Finding, Findings, Picture, Run};
 /// Buildings, each with its own steel, walks and phones.
 pub const N_SEEDS: u64 = 24;
 /// What the system is told of the start.
+///
+/// # Source
+/// Ours: the paper leaves δ open. It starts by WiFi, which errs by more than 10 m one time in five (Mass-centred 2019,
+/// Fig. 27); this errs by 5 m as often.
 pub const START: Start = Start::Known { radius_m: 5.0 };
 /// Walks are at least this long, in metres.
 const WALK_M: f64 = 150.0;
@@ -107,7 +111,9 @@ pub fn run(run: &Run) -> Findings {
     let lengths: Vec<&step_lengths::Measured> = measured.iter().map(|one| &one.step_lengths).collect();
     let mut findings = Findings::default()
         .with(Finding::new("mc-80", n, [Estimate::pooled_quantile(&usual, 0.8)]))
-        .with(Finding::new("mc-magicol-cross", n, [beyond(0.8), beyond(0.9)]))
+        .with(Finding::new("mc-magicol-cross", n, [beyond(0.8), beyond(0.9)]).because(
+            "our time warping remembers thirty steps and takes directions from the gyroscope, neither of which the paper's does",
+        ))
         .with(Finding::new("mc-users", n, [worst_over_best(&users)]))
         .with(Finding::new("mc-phones", n, [worst_over_best(&phones)]))
         .with_picture(Picture::of(

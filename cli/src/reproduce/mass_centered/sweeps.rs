@@ -1,4 +1,4 @@
-//! The weight's parameters swept: window `W` and threshold `T`.
+//! The weight's parameters swept: window `W` and threshold `T`, by the field's strength alone, as in the paper.
 
 use fieldwalk::observation::mass_centered::MassCenteredParams;
 use fieldwalk::system::{MagneticRule, Recipe};
@@ -34,6 +34,7 @@ pub fn measure(errors_m: impl Fn(&Recipe) -> Vec<f64>) -> Measured {
     let with = |change: &dyn Fn(&mut MassCenteredParams)| {
         let mut recipe = Recipe::mass_centered();
         if let MagneticRule::MassCentered(params) = &mut recipe.magnetic {
+            params.direction = None;
             change(params);
         }
         errors_m(&recipe)
@@ -70,8 +71,12 @@ pub fn conclude(findings: Findings, seeds: &[&Measured]) -> Findings {
     let lines: Vec<(&str, &[f64])> =
         names.iter().zip(&pooled).map(|(name, errors)| (&name[..], &errors[..])).collect();
     findings
-        .with(Finding::new("mc-window", n, [Estimate::paired(&short, &long)]))
-        .with(Finding::new("mc-threshold", n, orders))
+        .with(Finding::new("mc-window", n, [Estimate::paired(&short, &long)]).because(
+            "corridors leave the particles so little room that 3000 of them suffice for long windows too",
+        ))
+        .with(Finding::new("mc-threshold", n, orders).because(
+            "changes of strength are read and mapped to about 0.5 µT, so that lower thresholds choose by chance: too low is worse than too high",
+        ))
         .with_picture(Picture::of("The window swept at T = 0.5 µT.", sweep.to_svg()))
         .with_picture(Picture::of(
             "The threshold swept at the recipe's window.",

@@ -24,6 +24,8 @@ class FixBits {
             FixMode.STARTED -> 0
             FixMode.PARTICLE_FILTER -> 1
             FixMode.STALE -> 2
+            FixMode.BEACON -> 3
+            FixMode.PAUSED -> 4
             FixMode.OTHER -> 255
         }
         digest.update(bytes.put(mode.toByte()).array())
