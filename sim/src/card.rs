@@ -213,6 +213,7 @@ mod tests {
         assert!(recorded.samples.iter().all(|s| !matches!(s.reading, Reading::CardFrame(_))));
         let n_forces =
             recorded.samples.iter().filter(|s| matches!(s.reading, Reading::SpecificForce(_))).count();
-        assert!(n_forces > 500, "the phone's own sensors: {n_forces}");
+        // The first line is a short lane: a few seconds at 50 Hz.
+        assert!(n_forces > 150, "the phone's own sensors: {n_forces}");
     }
 }
