@@ -381,6 +381,34 @@ systems! {
 }
 
 impl Recipe {
+    /// Steps of a phone and nothing else: what a system leaves out.
+    fn bare() -> Self {
+        Self {
+            name: String::new(),
+            front_end: FrontEndRule::Phone,
+            n_particles: 1,
+            start: StartRule::Routes,
+            length: FITTED_LENGTH,
+            motion: MotionParams {
+                heading: HeadingRule::Gyroscope { start_sd_rad: 0.22, walk_sd_rad: 0.025 },
+                direction_sd_rad: 0.06,
+                length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.0, step_sd: 0.08 },
+            },
+            spawning: None,
+            plan: PlanRule::Ignore,
+            routes: None,
+            magnetic: MagneticRule::Ignore,
+            radio: None,
+            beacons: None,
+            radar: None,
+            ble_filter: None,
+            replenish: None,
+            resample_below: 0.0,
+            resampling: Resampling::Systematic,
+            accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.0 },
+        }
+    }
+
     /// The same system with the floor plan, the surveyed routes and, on a phone, the dead reckoning that
     /// [`Recipe::fused`] uses, so that systems are compared by what they make of the field and of radio.
     ///

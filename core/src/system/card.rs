@@ -4,7 +4,7 @@ use crate::front_end::FrontEndRule;
 use crate::heading::PathwayParams;
 use crate::observation::ble_filter::BleFilterParams;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
-use crate::particle::{ReplenishParams, Resampling};
+use crate::particle::ReplenishParams;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
     StartRule,
@@ -34,9 +34,7 @@ impl Recipe {
                 direction_sd_rad: DIRECTION_SD_RAD,
                 length: LengthRule::Alike { mean_m: STRIDE_M, round_sd_m: 0.5 * STRIDE_M },
             },
-            spawning: None,
             plan: PlanRule::Purge,
-            routes: None,
             magnetic: MagneticRule::History(HistoryParams {
                 metric: HistoryMetric::Euclidean,
                 feature: HistoryFeature::HorizontalVertical,
@@ -45,14 +43,11 @@ impl Recipe {
                 sigma_ut: 20.0,
                 counts_once: true,
             }),
-            radio: None,
-            beacons: None,
-            radar: None,
             ble_filter: Some(BleFilterParams::default()),
             replenish: Some(ReplenishParams::default()),
             resample_below: 0.0,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 2.0, floor_m: 1.5, tail: 1.5 },
+            ..Self::bare()
         }
     }
 }

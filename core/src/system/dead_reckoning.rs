@@ -1,19 +1,12 @@
 //! Dead reckoning: the baseline that every other system must beat.
 
-use crate::front_end::FrontEndRule;
-use crate::particle::Resampling;
-use crate::system::{
-    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
-    StartRule,
-};
+use crate::system::{AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MotionParams, Recipe};
 
 impl Recipe {
     /// Steps and gyroscope from the compass's first direction; nothing corrects them.
     pub fn dead_reckoning() -> Self {
         Self {
             name: "dead-reckoning".into(),
-            front_end: FrontEndRule::Phone,
-            start: StartRule::Routes,
             n_particles: 500,
             length: FITTED_LENGTH,
             motion: MotionParams {
@@ -21,18 +14,9 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.0, step_sd: 0.08 },
             },
-            spawning: None,
-            plan: PlanRule::Ignore,
-            routes: None,
-            magnetic: MagneticRule::Ignore,
-            radio: None,
-            radar: None,
-            ble_filter: None,
-            replenish: None,
-            beacons: None,
             resample_below: 0.0,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.0, floor_m: 1.0, tail: 1.05 },
+            ..Self::bare()
         }
     }
 }

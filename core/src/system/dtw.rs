@@ -1,11 +1,8 @@
 //! The baseline of phones: histories under dynamic time warping.
 
-use crate::front_end::FrontEndRule;
 use crate::observation::history::{HistoryFeature, HistoryMetric, HistoryParams};
-use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
-    StartRule,
 };
 
 impl Recipe {
@@ -18,8 +15,6 @@ impl Recipe {
     pub fn dtw() -> Self {
         Self {
             name: "dtw".into(),
-            front_end: FrontEndRule::Phone,
-            start: StartRule::Routes,
             n_particles: 1000,
             length: FITTED_LENGTH,
             motion: MotionParams {
@@ -27,9 +22,7 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.06, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
-            spawning: None,
             plan: PlanRule::Purge,
-            routes: None,
             magnetic: MagneticRule::History(HistoryParams {
                 metric: HistoryMetric::DynamicTimeWarping { band: None },
                 feature: HistoryFeature::HorizontalVertical,
@@ -38,14 +31,9 @@ impl Recipe {
                 sigma_ut: 17.0,
                 counts_once: false,
             }),
-            radio: None,
-            beacons: None,
-            radar: None,
-            ble_filter: None,
-            replenish: None,
             resample_below: 0.7,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.15, floor_m: 1.3, tail: 1.15 },
+            ..Self::bare()
         }
     }
 }

@@ -1,12 +1,10 @@
 //! Fieldwalk's own system.
 
-use crate::front_end::FrontEndRule;
 use crate::observation::field_vector::FieldVectorParams;
 use crate::observation::radio::RadioParams;
-use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
-    RouteParams, StartRule,
+    RouteParams,
 };
 
 impl Recipe {
@@ -14,8 +12,6 @@ impl Recipe {
     pub fn fused() -> Self {
         Self {
             name: "fused".into(),
-            front_end: FrontEndRule::Phone,
-            start: StartRule::Routes,
             n_particles: 1000,
             length: FITTED_LENGTH,
             motion: MotionParams {
@@ -23,7 +19,6 @@ impl Recipe {
                 direction_sd_rad: 0.06,
                 length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.004, step_sd: 0.08 },
             },
-            spawning: None,
             plan: PlanRule::Soft { crossing_log_weight: -1.9, closed_log_weight: -1.0 },
             routes: Some(RouteParams {
                 start_power: 2.0,
@@ -35,13 +30,9 @@ impl Recipe {
             }),
             magnetic: MagneticRule::FieldVector(FieldVectorParams::default()),
             radio: Some(RadioParams::default()),
-            radar: None,
-            ble_filter: None,
-            replenish: None,
-            beacons: None,
             resample_below: 0.7,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 1.3, floor_m: 1.25, tail: 1.15 },
+            ..Self::bare()
         }
     }
 }

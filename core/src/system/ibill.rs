@@ -1,12 +1,11 @@
 //! iBILL 2017: spawning particles weighed by three factors, corrected where clusters of iBeacons hang.
 
 use crate::beacon_mode::BeaconModeParams;
-use crate::front_end::FrontEndRule;
 use crate::observation::three_factors::ThreeFactorsParams;
-use crate::particle::{Resampling, SpawningParams};
+use crate::particle::SpawningParams;
 use crate::system::{
-    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, LengthSpread, MagneticRule, MotionParams,
-    PlanRule, Recipe, StartRule,
+    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, LengthSpread, MagneticRule, MotionParams, Recipe,
+    StartRule,
 };
 
 /// φ⁻¹(0.9): half of the middle 80 % of a normal distribution, in standard deviations.
@@ -28,7 +27,6 @@ impl Recipe {
     pub fn ibill() -> Self {
         Self {
             name: "ibill".into(),
-            front_end: FrontEndRule::Phone,
             start: StartRule::Circle { n_directions: 12, n_places: 80 },
             n_particles: 1000,
             length: FITTED_LENGTH,
@@ -46,17 +44,11 @@ impl Recipe {
                 },
             },
             spawning: Some(SpawningParams { n_children: 3, kill_below: 1e-6 }),
-            plan: PlanRule::Ignore,
-            routes: None,
             magnetic: MagneticRule::ThreeFactors(ThreeFactorsParams::default()),
-            radio: None,
             beacons: Some(BeaconModeParams::default()),
-            radar: None,
-            ble_filter: None,
-            replenish: None,
             resample_below: 0.0,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 2.1, floor_m: 2.0, tail: 1.5 },
+            ..Self::bare()
         }
     }
 

@@ -1,11 +1,8 @@
 //! The mass-centred system of 2019.
 
-use crate::front_end::FrontEndRule;
 use crate::observation::mass_centered::MassCenteredParams;
-use crate::particle::Resampling;
 use crate::system::{
     AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
-    StartRule,
 };
 
 impl Recipe {
@@ -18,8 +15,6 @@ impl Recipe {
     pub fn mass_centered() -> Self {
         Self {
             name: "mass-centered".into(),
-            front_end: FrontEndRule::Phone,
-            start: StartRule::Routes,
             n_particles: 3000,
             length: FITTED_LENGTH,
             motion: MotionParams {
@@ -35,18 +30,11 @@ impl Recipe {
                     step_sd_m: 0.05,
                 },
             },
-            spawning: None,
             plan: PlanRule::Purge,
-            routes: None,
             magnetic: MagneticRule::MassCentered(MassCenteredParams::default()),
-            radio: None,
-            radar: None,
-            ble_filter: None,
-            replenish: None,
-            beacons: None,
             resample_below: 1.0,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 3.5, floor_m: 2.0, tail: 1.6 },
+            ..Self::bare()
         }
     }
 }

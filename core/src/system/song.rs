@@ -3,10 +3,8 @@
 use crate::front_end::FrontEndRule;
 use crate::observation::candidates::CandidateParams;
 use crate::observation::strength::StrengthParams;
-use crate::particle::Resampling;
 use crate::system::{
-    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe,
-    StartRule,
+    AccuracyParams, FITTED_LENGTH, HeadingRule, LengthRule, MagneticRule, MotionParams, Recipe,
 };
 
 impl Recipe {
@@ -58,8 +56,6 @@ impl Recipe {
     pub fn particle_100() -> Self {
         Self {
             name: "particle-100".into(),
-            front_end: FrontEndRule::Phone,
-            start: StartRule::Routes,
             n_particles: 100,
             length: FITTED_LENGTH,
             motion: MotionParams {
@@ -67,18 +63,10 @@ impl Recipe {
                 direction_sd_rad: 0.2,
                 length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.0, step_sd: 0.15 },
             },
-            plan: PlanRule::Ignore,
-            routes: None,
             magnetic: MagneticRule::Strength(StrengthParams::default()),
-            radio: None,
-            beacons: None,
-            spawning: None,
-            radar: None,
-            ble_filter: None,
-            replenish: None,
             resample_below: 1.0,
-            resampling: Resampling::Systematic,
             accuracy: AccuracyParams { scale: 2.0, floor_m: 3.0, tail: 1.5 },
+            ..Self::bare()
         }
     }
 }

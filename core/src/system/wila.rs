@@ -2,9 +2,7 @@
 
 use crate::front_end::FrontEndRule;
 use crate::step::StepLengthModel;
-use crate::system::{
-    AccuracyParams, HeadingRule, LengthRule, MagneticRule, MotionParams, PlanRule, Recipe, StartRule,
-};
+use crate::system::{AccuracyParams, HeadingRule, LengthRule, MotionParams, Recipe};
 
 impl Recipe {
     /// Steps from a filter of 51 taps, lengths by the fourth root of the amplitude, a heading by a scalar Kalman filter:
@@ -19,7 +17,6 @@ impl Recipe {
         Self {
             name: "wila".into(),
             front_end: FrontEndRule::Waist,
-            start: StartRule::Routes,
             n_particles: 100,
             length: StepLengthModel::Weinberg { k_m: 0.45 },
             motion: MotionParams {
@@ -27,9 +24,6 @@ impl Recipe {
                 direction_sd_rad: 0.15,
                 length: LengthRule::Scaled { scale_sd: 0.08, scale_walk_sd: 0.0, step_sd: 0.08 },
             },
-            plan: PlanRule::Ignore,
-            routes: None,
-            magnetic: MagneticRule::Ignore,
             resample_below: 0.0,
             accuracy: AccuracyParams { scale: 3.0, floor_m: 2.0, tail: 1.3 },
             ..Self::dead_reckoning()
