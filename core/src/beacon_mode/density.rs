@@ -1,4 +1,7 @@
 //! How likely a fix is where somebody truly is.
+//!
+//! # Source
+//! Ours, in the place of iBILL 2017, Fig. 4, by which a fix is the place.
 
 use crate::geometry::Point2;
 
