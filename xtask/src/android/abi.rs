@@ -56,6 +56,6 @@ pub const IMPORTS: [(&str, &str); 3] = [
          __aeabi_memclr __aeabi_memclr4 __aeabi_memclr8 __aeabi_memcpy __aeabi_memcpy4 __aeabi_memcpy8 \
          __aeabi_memmove __aeabi_memmove4 __aeabi_memmove8 __aeabi_memset __aeabi_memset4 __aeabi_memset8",
     ),
-    ("dl", "dl_iterate_phdr"),
+    ("dl", "dl_iterate_phdr dlsym"),
     ("m", "sincos"),
 ];

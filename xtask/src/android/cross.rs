@@ -90,6 +90,15 @@ impl Toolchain {
 /// Pages of 16 KB.
 const ALIGNED: &str = "-Clink-arg=-Wl,-z,max-page-size=16384";
 
+/// What a backtrace asks for where there is no unwinder: it is at its end (5), and no register can be read (1).
+const NO_UNWINDER: &str = "\
+int _Unwind_Backtrace(void *trace, void *argument) { (void)trace; (void)argument; return 5; }
+int _Unwind_VRS_Get(void *context, int kind, unsigned number, int representation, void *value) {
+    (void)context; (void)kind; (void)number; (void)representation; (void)value;
+    return 1;
+}
+";
+
 impl Clang {
     fn build(&self, workspace: &Workspace, abi: &Abi, stubs: &Path) -> Result<(), String> {
         self.write_stubs(workspace, abi, stubs)?;
@@ -145,8 +154,18 @@ impl Clang {
             make.args(["--input-format=IFS", "--write-if-changed"]);
             execute(make.arg(format!("--output-elf={}", stub.display())).arg(text))?;
         }
-        // Rust asks for it by name; what is in it comes from the feature `unwinder`, or is not called.
-        execute(workspace.command(self.llvm_ar).arg("rc").arg(folder.join("libunwind.a")))
+        // Rust asks for it by name. On 64 bit what it should hold comes from the feature `unwinder`.
+        let mut archive = workspace.command(self.llvm_ar);
+        archive.arg("rc").arg(folder.join("libunwind.a"));
+        if !abi.unwinds {
+            let (source, object) = (folder.join("unwind.c"), folder.join("unwind.o"));
+            fs::write(&source, NO_UNWINDER).map_err(failed)?;
+            let mut compile = workspace.command(self.clang);
+            compile.arg(format!("--target={}", abi.clang_target)).args(["-Os", "-fPIC", "-c"]);
+            execute(compile.arg(source).arg("-o").arg(&object))?;
+            archive.arg(object);
+        }
+        execute(&mut archive)
     }
 }
 
