@@ -115,6 +115,7 @@ struct Record: Sendable {
 
     var beaconUUID: UUID? {
         if case .ibeacon(_, let uuid, _, _, _) = sample { uuid } else { nil }
+        case "card_frame": .cardFrame(timeNs: timeNs, frame: Data(bytes(0)))
     }
 
     private func float(_ k: Int) -> Float { Float(bitPattern: UInt32(fields[k], radix: 16)!) }
