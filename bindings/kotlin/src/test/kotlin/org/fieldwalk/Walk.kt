@@ -12,6 +12,8 @@ object Walk {
     val waypoints = records.filter { it.kind == "waypoint" }
     val start = waypoints.first()
 
+    val hint = PositionHint(start.point, 2.0, 0, start.timeNs)
+
     /** The walk as a log of text. */
     val log = File(folder, "walk.txt")
 
