@@ -23,6 +23,9 @@ object Walk {
     /** What `fieldwalk replay --bits` says of the walk. */
     val digest = File(folder, "walk.bits").readText().substringBefore(' ')
 
+    /** Leaves the digest of the walk's fixes as Kotlin found it, for the report of `cargo xtask test`. */
+    fun tell(digest: String, nFixes: Int) = File(folder, "kotlin.bits").writeText("$digest $nFixes\n")
+
     fun records(name: String) = File(folder, "$name.samples").readLines().map { Record(it.split(' ')) }
 
     fun batch(name: String): ByteArray = File(folder, "$name.batch").readBytes()
@@ -51,7 +54,7 @@ class Record(private val fields: List<String>) {
         else -> error("a record called $kind")
     }
 
-    private fun float(k: Int) = Float.fromBits(fields[k].toUInt(16).toInt())
+    fun float(k: Int) = Float.fromBits(fields[k].toUInt(16).toInt())
     private fun double(k: Int) = Double.fromBits(fields[k].toULong(16).toLong())
     private fun bytes(k: Int) = fields[k].chunked(2).map { it.toInt(16).toByte() }.toByteArray()
 }
