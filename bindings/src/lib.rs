@@ -18,8 +18,8 @@
 //!
 //! # Unsafe code
 //!
-//! There is none here, and the compiler refuses it; what crosses the boundary unsafely is inside `uniffi` and what its
-//! macros expand to.
+//! There is none here but for the module `sensor_loop` of the feature `jni`, and the compiler refuses it; what else crosses
+//! the boundary unsafely is inside `uniffi` and what its macros expand to.
 #![deny(missing_docs)]
 
 mod building_map;
@@ -34,6 +34,8 @@ mod positioner;
 mod recorder;
 mod recording_reader;
 mod samples;
+#[cfg(feature = "jni")]
+mod sensor_loop;
 mod snapshot;
 mod status;
 mod surveyed_floor;

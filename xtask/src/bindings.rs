@@ -63,7 +63,7 @@ pub fn library_name() -> String {
 /// # Errors
 /// When something does not build, or when the public surface has changed.
 pub fn generate(workspace: &Workspace, language: Language) -> Result<PathBuf, String> {
-    execute(&mut workspace.cargo("build --quiet --package fieldwalk-ffi --lib"))?;
+    execute(&mut workspace.cargo("build --quiet --package fieldwalk-ffi --lib --features jni"))?;
     let Language { name, surface, package } = language;
     let sources =
         package.map_or_else(|| folder(workspace).join(name), |package| workspace.root.join(package));
