@@ -84,7 +84,9 @@ class PushBench {
 
     private fun paced(map: BuildingMap) {
         val ways = Way.entries.map { Pushed(map, it) }
-        ways.forEach { way -> repeat(PART_TICKS) { way.pushTick() } }
+        // Once as they are measured: what is compiled for a loop without pauses may be compiled anew for one with them.
+        ways.forEach { part(it) }
+        settle()
         ways.forEach { it.nFixes = 0 }
         // Each begins as often as any other, and each follows another one.
         repeat(N_PARTS) { part -> ways.indices.forEach { k -> ways[(k + part) % ways.size].let { it.sum += part(it) } } }
@@ -96,13 +98,23 @@ class PushBench {
         say("|---|---:|---:|---:|---:|")
         for (way in ways) {
             val above = if (way.way == Way.IDLE) way.sum else way.sum - idle
-            val title = if (way.way == Way.IDLE) "nothing (idle), not above itself" else way.way.title
+            val title = if (way.way == Way.IDLE) "nothing: idle itself" else way.way.title
             say(
                 "| $title | ${number(above.processNs / seconds / 1e7)} | ${number(above.threadNs / seconds / 1e7)} " +
                     "| ${number(above.nBytes / seconds / 1e3)} | ${way.nFixes} |",
             )
         }
         ways.forEach { it.close() }
+    }
+
+    /** Waits until the compiler and the collector have nothing left to do, a minute at most. */
+    private fun settle() {
+        System.gc()
+        repeat(30) {
+            val before = now().processNs
+            Thread.sleep(2_000)
+            if (now().processNs - before < 20e6) return
+        }
     }
 
     /** Ticks on time for one part. */
