@@ -11,6 +11,7 @@ cargo xtask bindings                                       the library for other
 cargo xtask kotlin                                         Kotlin's, compiled and tested on the JVM
 cargo xtask swift                                          Swift's, compiled and tested on Linux
 cargo xtask python                                         Python's, as a wheel, installed and tested
+cargo xtask xcframework                                    the engine for iOS, for ios/
 cargo xtask bench-jvm                                      what pushing samples costs on the JVM, as tables
 
 stages: install format tidy clippy docs deny test bindings kotlin swift python fuzz aarch64
@@ -43,7 +44,7 @@ impl Arguments {
             Some("test") => {}
             Some(
                 stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python"
-                | "bench-jvm"),
+                | "bench-jvm" | "xcframework"),
             ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
             Some(other) => return Err(format!("unknown command `{other}`")),

@@ -6,7 +6,7 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, bindings, fuzz, install, kotlin, python, swift, tidy};
+use crate::{aarch64, bindings, fuzz, install, kotlin, python, swift, tidy, xcframework};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -40,6 +40,7 @@ pub const STAGES: &[Stage] = &[
 /// What is no check, and runs only when it is asked for by name.
 pub const ON_DEMAND: &[Stage] = &[
     Stage { name: "bench-jvm", quick: false, run: |workspace, _| kotlin::bench(workspace) },
+    Stage { name: "xcframework", quick: false, run: |workspace, _| xcframework::run(workspace) },
 ];
 
 /// Runs the stages asked for; one that fails does not keep the next from running.

@@ -8,7 +8,7 @@ use crate::process::run_into;
 use crate::report::Outcome;
 use crate::swift_toolchain::Toolchain;
 use crate::workspace::Workspace;
-use crate::{bindings, readme_example};
+use crate::{bindings, readme_example, xcframework};
 
 /// The Swift package.
 const PACKAGE: &str = "ios";
@@ -57,6 +57,7 @@ impl Package<'_> {
         let walk = format!("FIELDWALK_WALK={}", folder.display());
         self.run("test", &[[walk.as_str(), "swift", "test"].as_slice(), &flags].concat())?;
         self.check_apple_parts(&made.join("swift-stubs"))?;
+        xcframework::check_if_there(&self.workspace.root)?;
         bindings::compared_bits(&folder, bindings::SWIFT)
     }
 
