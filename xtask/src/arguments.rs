@@ -12,6 +12,8 @@ cargo xtask kotlin                                         Kotlin's, compiled an
 cargo xtask swift                                          Swift's, compiled and tested on Linux
 cargo xtask python                                         Python's, as a wheel, installed and tested
 cargo xtask android [--json]                               the engine for phones, the AAR and its tests; or sizes alone
+cargo xtask xcframework                                    the engine for iOS, for ios/
+cargo xtask bench-jvm                                      what pushing samples costs on the JVM, as tables
 
 stages: install format tidy clippy docs deny test bindings kotlin swift python android fuzz aarch64
 --quick leaves out install, deny, bindings, kotlin, swift, python, android, fuzz and aarch64.
@@ -44,8 +46,8 @@ impl Arguments {
         match words.next().as_deref() {
             Some("test") => {}
             Some(
-                stage
-                @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python" | "android"),
+                stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python" | "android"
+                | "bench-jvm" | "xcframework"),
             ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
             Some(other) => return Err(format!("unknown command `{other}`")),
