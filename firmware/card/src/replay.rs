@@ -1,0 +1,194 @@
+//! A card on recorded readings: no chip, no waiting, the same frames on every machine.
+//!
+//! ```
+//! use fieldwalk_card::replay::{ReplayCard, finish};
+//! use fieldwalk_card::{CardParams, RoundOutcome, SensorReading};
+//!
+//! let still = SensorReading { force_m_s2: [0.0, 9.81, 0.0], field_ut: [0.0, -42.0, -20.0] };
+//! let now_us = core::cell::Cell::new(0);
+//! let mut card = ReplayCard::switched_on(&now_us, std::iter::repeat(still), CardParams::of_card(7));
+//! let RoundOutcome::Sent(frame) = finish(card.round()) else { panic!("a frame") };
+//! // Card 7, its first round: 20 µT horizontally is 500 steps.
+//! assert_eq!((frame[10], frame[9], u16::from_le_bytes([frame[18], frame[19]])), (7, 0, 500));
+//! ```
+
+use core::cell::Cell;
+use core::convert::Infallible;
+use core::marker::PhantomData;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+
+use crate::application::{Card, CardParams};
+use crate::hardware::{
+    Advertiser, Board, Clock, Hardware, MotionSensor, Retained, SensorReading, Supply, Watchdog,
+};
+use crate::pace::{MAX_DELAY_US, ROUND_US};
+
+/// Microseconds between two readings: 12.5 a second.
+pub const READING_US: u64 = 80_000;
+
+/// A card whose sensor says what an iterator does.
+pub type ReplayCard<'a, I> = Card<Replay<'a, I>>;
+
+/// Parts that stand for a card's.
+#[derive(Clone, Copy, Debug)]
+pub struct Replay<'a, I>(PhantomData<(&'a (), I)>);
+
+impl<'a, I: Iterator<Item = SensorReading>> Hardware for Replay<'a, I> {
+    type Sensor = ReplaySensor<'a, I>;
+    type Advertiser = Silent;
+    type Clock = ReplayClock<'a>;
+    type Supply = Silent;
+    type Watchdog = Silent;
+    type Retained = Silent;
+    type Flash = Blank;
+}
+
+impl<'a, I: Iterator<Item = SensorReading>> ReplayCard<'a, I> {
+    /// A card that was just switched on, whose time is `now_us` and whose sensor gives a reading each [`READING_US`]; where
+    /// there are no more, the sensor says nothing.
+    pub fn switched_on(now_us: &'a Cell<u64>, readings: I, params: CardParams) -> Self {
+        let sensor = ReplaySensor { now_us, next_us: now_us.get() + READING_US, readings };
+        let board = Board {
+            sensor,
+            advertiser: Silent,
+            clock: ReplayClock(now_us),
+            supply: Silent,
+            watchdog: Silent,
+            retained: Silent,
+            flash: Blank,
+        };
+        finish(Self::new(board, params))
+    }
+}
+
+/// Runs what never waits to its end.
+///
+/// # Panics
+/// When it waits: parts on replay do not.
+pub fn finish<T>(future: impl Future<Output = T>) -> T {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(value) => value,
+        Poll::Pending => unreachable!("a replayed part waits"),
+    }
+}
+
+/// A sensor that says what it is told.
+#[derive(Debug)]
+pub struct ReplaySensor<'a, I> {
+    now_us: &'a Cell<u64>,
+    next_us: u64,
+    readings: I,
+}
+
+impl<I: Iterator<Item = SensorReading>> MotionSensor for ReplaySensor<'_, I> {
+    type Error = Infallible;
+
+    async fn start(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    async fn drain(&mut self, into: &mut [SensorReading]) -> Result<usize, Infallible> {
+        let mut n = 0;
+        while self.next_us <= self.now_us.get() {
+            let Some(reading) = self.readings.next() else { break };
+            self.next_us += READING_US;
+            if let Some(slot) = into.get_mut(n) {
+                *slot = reading;
+                n += 1;
+            }
+        }
+        Ok(n)
+    }
+
+    async fn arm(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    /// It is moved at once: who replays a walk does not want it to sleep.
+    async fn wait_for_motion(&mut self, _at_most_s: u32) -> Result<bool, Infallible> {
+        Ok(true)
+    }
+}
+
+/// A clock that jumps to where it is to wait for.
+#[derive(Clone, Copy, Debug)]
+pub struct ReplayClock<'a>(&'a Cell<u64>);
+
+impl Clock for ReplayClock<'_> {
+    fn now_us(&self) -> u64 {
+        self.0.get()
+    }
+
+    async fn wait_until_us(&mut self, time_us: u64) {
+        self.0.set(self.0.get().max(time_us));
+    }
+}
+
+/// A radio that sends nothing, a full battery, a watchdog that sleeps, memory that forgets.
+#[derive(Clone, Copy, Debug)]
+pub struct Silent;
+
+impl Advertiser for Silent {
+    async fn advertise(&mut self, _frame: &[u8; 31]) {}
+}
+
+impl Supply for Silent {
+    async fn voltage_mv(&mut self) -> u16 {
+        3_000
+    }
+}
+
+impl Watchdog for Silent {
+    fn feed(&mut self) {}
+}
+
+impl Retained for Silent {
+    fn load(&self) -> u32 {
+        0
+    }
+
+    fn store(&mut self, _word: u32) {}
+}
+
+/// Flash that keeps nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Blank;
+
+impl ErrorType for Blank {
+    type Error = Infallible;
+}
+
+impl ReadNorFlash for Blank {
+    const READ_SIZE: usize = 4;
+
+    fn read(&mut self, _offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
+        bytes.fill(0xFF);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        2 * Self::ERASE_SIZE
+    }
+}
+
+impl NorFlash for Blank {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 4_096;
+
+    fn erase(&mut self, _from: u32, _to: u32) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    fn write(&mut self, _offset: u32, _bytes: &[u8]) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// Whether `n_readings`, the first of which comes [`READING_US`] after the card was switched on at 0, last for another
+/// whole round at `now_us`.
+pub fn lasts_another_round(n_readings: usize, now_us: u64) -> bool {
+    now_us + ROUND_US + MAX_DELAY_US <= n_readings as u64 * READING_US
+}
