@@ -11,9 +11,11 @@ cargo xtask bindings                                       the library for other
 cargo xtask kotlin                                         Kotlin's, compiled and tested on the JVM
 cargo xtask swift                                          Swift's, compiled and tested on Linux
 cargo xtask python                                         Python's, as a wheel, installed and tested
+cargo xtask firmware [--json]                              the ID card's images, run on an emulated one
 
-stages: install format tidy clippy docs deny test bindings kotlin swift python fuzz aarch64
---quick leaves out install, deny, bindings, kotlin, swift, python, fuzz and aarch64.
+stages: install format tidy clippy docs deny test bindings kotlin swift python firmware fuzz aarch64
+--quick leaves out install, deny, bindings, kotlin, swift, python, firmware, fuzz and
+aarch64. --json leaves standard output to the object that firmware ends with.
 FIELDWALK_DATA=FOLDER       where recordings are; without it the tests that need them are skipped
 FIELDWALK_REQUIRE_DATA=1    a missing recording fails instead
 FIELDWALK_SWIFT_ROOT=FOLDER where Debian's Swift is unpacked, when no Swift is installed; in the cache by default
@@ -26,6 +28,8 @@ pub struct Arguments {
     pub quick: bool,
     /// Stages to run; empty for all.
     pub only: Vec<String>,
+    /// Standard output is for programs.
+    pub json: bool,
     /// Time for each fuzz target.
     pub fuzz_seconds: u32,
 }
@@ -37,18 +41,20 @@ impl Arguments {
     /// A sentence for the user when a command, an option, a stage or a number is unknown.
     pub fn parse(words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
         let mut words = words;
-        let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 60 };
+        let mut arguments = Self { quick: false, only: Vec::new(), json: false, fuzz_seconds: 60 };
         match words.next().as_deref() {
             Some("test") => {}
-            Some(stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python")) => {
-                arguments.only.push(stage.to_owned())
-            }
+            Some(
+                stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python"
+                | "firmware"),
+            ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
             Some(other) => return Err(format!("unknown command `{other}`")),
         }
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--quick" => arguments.quick = true,
+                "--json" => arguments.json = true,
                 "--only" => {
                     let stage = words.next().ok_or("--only needs a stage")?;
                     if !STAGES.iter().any(|known| known.name == stage) {

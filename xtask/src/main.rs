@@ -3,6 +3,9 @@
 mod aarch64;
 mod arguments;
 mod bindings;
+mod elf;
+mod firmware;
+mod firmware_toolchain;
 mod fuzz;
 mod install;
 mod kotlin;
@@ -33,7 +36,15 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let report = stages::run(&Workspace::open(), &arguments);
-    print!("\n{report}");
+    let workspace = Workspace::open();
+    let report = stages::run(&workspace, &arguments);
+    if arguments.json {
+        eprint!("\n{report}");
+    } else {
+        print!("\n{report}");
+    }
+    if arguments.only == ["firmware"] {
+        print!("{}", firmware::result(&workspace).unwrap_or_default());
+    }
     if report.n_failed() > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
