@@ -5,8 +5,8 @@
 use std::cell::Cell;
 
 use fieldwalk::system::Recipe;
-use fieldwalk_card::replay::{ReplayCard, finish, lasts_another_round};
-use fieldwalk_card::{CardParams, RoundOutcome, SensorReading};
+use fieldwalk_card::replay::{ReplayCard, SensorReading, finish, lasts_another_round};
+use fieldwalk_card::{CardParams, RoundOutcome};
 use fieldwalk_kmx62::BufferEntry;
 use fieldwalk_sim::card::{CardModel, CardReadings, RANGE, SentFrame};
 use fieldwalk_sim::scenario::Walk;
@@ -121,6 +121,7 @@ mod tests {
         }
         let [ours, papers] = [n_counted, n_by_paper].map(|n| n as f64 / n_made as f64);
         println!("{ours:.3} and {papers:.3} of {n_made}");
-        assert!(ours > 0.65 && ours < papers + 0.05, "{ours} {papers}");
+        // At 25 readings a second slow walkers' steps count too, half of which the paper's 15 lose.
+        assert!((0.95..1.06).contains(&ours) && ours > papers, "{ours} {papers}");
     }
 }

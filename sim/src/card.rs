@@ -3,7 +3,7 @@
 mod readings;
 mod resolution;
 
-pub use readings::{CardReadings, RANGE, READINGS, SentFrame};
+pub use readings::{CardReadings, FIELD_READINGS, RANGE, READINGS, SentFrame};
 pub use resolution::{CardNoise, SensorNoise, conversions, conversions_hz};
 
 use fieldwalk::card::{CardRoundBuilder, CardSensingParams};

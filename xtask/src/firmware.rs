@@ -83,6 +83,7 @@ fn image(workspace: &Workspace, toolchain: &Toolchain) -> Result<Figures, String
 /// Kwak's walks on the emulated card, its frames compared and positioned.
 fn emulated(workspace: &Workspace, toolchain: &Toolchain) -> Result<Figures, String> {
     let elf = build(workspace, toolchain, "qemu", "fieldwalk-card-qemu")?;
+    golden(workspace, &elf)?;
     let walks = workspace.target.join("firmware").join("walks");
     let _ = fs::remove_dir_all(&walks); // frames of an earlier run
     execute(workspace.cargo("run -q -p fieldwalk-cli -- card-walks").arg(&walks))?;
@@ -98,6 +99,33 @@ fn emulated(workspace: &Workspace, toolchain: &Toolchain) -> Result<Figures, Str
         ("instructions_per_round", number("instructions_per_round")?),
         ("median_m", number("median_m")?),
     ])
+}
+
+/// The golden readings on the emulated card give the golden frames: see `firmware/golden/README.md`.
+fn golden(workspace: &Workspace, elf: &Path) -> Result<(), String> {
+    let (golden, folder) = (workspace.root.join("firmware/golden"), workspace.target.join("firmware/golden"));
+    let failed = |error: std::io::Error| format!("firmware/golden: {error}");
+    fs::create_dir_all(&folder).map_err(failed)?;
+    fs::copy(golden.join("walk-01.readings"), folder.join("walk-01.readings")).map_err(failed)?;
+    emulate(workspace, elf, &folder)?;
+    let frames = fs::read(folder.join("walk-01.frames")).map_err(failed)?;
+    let expected = fs::read_to_string(golden.join("walk-01.frames.txt")).map_err(failed)?;
+    if golden_lines(&frames) == expected {
+        Ok(())
+    } else {
+        Err("the emulated card's frames of firmware/golden/walk-01.readings are not the golden ones".into())
+    }
+}
+
+/// The emulator's records as the golden file has them: a time in µs and 31 bytes in hexadecimal digits, a line each.
+fn golden_lines(records: &[u8]) -> String {
+    let mut lines = String::new();
+    for record in records.as_chunks::<{ 8 + 31 + 4 }>().0 {
+        let time_us = u64::from_le_bytes(std::array::from_fn(|k| record[k]));
+        let digits: String = record[8..39].iter().map(|byte| format!("{byte:02x}")).collect();
+        lines += &format!("{time_us} {digits}\n");
+    }
+    lines
 }
 
 fn build(workspace: &Workspace, toolchain: &Toolchain, folder: &str, name: &str) -> Result<PathBuf, String> {
@@ -182,6 +210,13 @@ mod tests {
         assert_eq!(number(json, "frames_equal").as_deref(), Some("true"));
         assert_eq!(number(json, "median_m").as_deref(), Some("1.5"));
         assert_eq!(number(json, "walks"), None);
+    }
+
+    #[test]
+    fn a_record_is_a_line() {
+        let mut record = vec![0; 43];
+        (record[0], record[1], record[8], record[38]) = (0x40, 0x01, 0xAB, 0x0C);
+        assert_eq!(golden_lines(&record), format!("320 ab{}0c\n", "00".repeat(29)));
     }
 
     #[test]

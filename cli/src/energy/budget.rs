@@ -1,6 +1,6 @@
 //! What a design draws.
 
-use fieldwalk_kmx62::{BufferEntry, Rate, Resolution, Sensor, WakeUp};
+use fieldwalk_kmx62::{AccelerationEntry, Entry as _, Rate, Resolution, Sensor, WakeUp};
 use fieldwalk_sim::card::{conversions, conversions_hz};
 
 use super::Figures;
@@ -8,7 +8,7 @@ use super::Figures;
 /// How the sensor's readings come to the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// From the sensor's buffer, once a round.
+    /// The acceleration from the sensor's buffer, once a round; the field three times.
     Buffered,
     /// One by one: the acceleration fifteen times, the field three times a second.
     Polled,
@@ -47,8 +47,8 @@ pub struct Design {
 impl Design {
     /// This firmware's.
     pub const OURS: Self = Self {
-        acceleration_rate: Rate::Hz12_5,
-        field_rate: Rate::Hz12_5,
+        acceleration_rate: Rate::Hz25,
+        field_rate: Rate::Hz6_25,
         resolution: Resolution::Averages32And16,
         sampling: Sampling::Buffered,
         power: TransmitPower::Minus20Dbm,
@@ -108,10 +108,10 @@ impl Budget {
         let event_uc = 3.0 * channel_uc + figures.crystal_ms * CRYSTAL_MA;
         let [bus_s, wakes_hz] = match design.sampling {
             Sampling::Buffered => {
-                let bytes = design.acceleration_rate.hz() * BufferEntry::LEN as f64;
-                // The buffer's status once, and bursts of eight entries.
-                let n_reads = rounds_hz + design.acceleration_rate.hz() / 8.0;
-                [bus_s(bytes + 3.0 * rounds_hz, n_reads), 0.0]
+                let bytes = design.acceleration_rate.hz() * AccelerationEntry::LEN as f64;
+                // The buffer's status once, bursts of sixteen entries, and the field three times.
+                let n_reads = rounds_hz * (1.0 + 3.0) + design.acceleration_rate.hz() / 16.0;
+                [bus_s(bytes + (3.0 + 3.0 * 6.0) * rounds_hz, n_reads), 3.0]
             }
             Sampling::Polled => [bus_s(15.0 * 6.0 + 3.0 * 6.0, 18.0), 15.0],
         };
@@ -192,12 +192,12 @@ mod tests {
     fn the_middle_by_hand() {
         let figures = Figures::ALL[1];
         let budget = Budget::of(&Design::OURS, &figures);
-        // 1 + 12.5 · (149 + 294) · (2 ms + 1.25 ms)
-        assert!((budget.sensor_ua - 18.997).abs() < 0.01, "{budget:?}");
+        // 1 + (25 · 149 + 6.25 · 294) · (2 ms + 1.25 ms)
+        assert!((budget.sensor_ua - 19.078).abs() < 0.01, "{budget:?}");
         // 3 · (376 µs · 4.7 mA + 140 µs · 3.5 mA) + 0.6 ms · 0.6 mA = 7.13 µC, 0.995 times a second
         assert!((budget.advertising_ua - 7.096).abs() < 0.01, "{budget:?}");
-        // 150 + 3 bytes and 2.56 reads of 3 more: 160.6 · 9 / 400 kHz = 3.61 ms at 0.8 mA
-        assert!((budget.bus_ua - 2.89).abs() < 0.02, "{budget:?}");
+        // 150 + 20.9 bytes and 5.54 reads of 3 more: 187.5 · 9 / 400 kHz = 4.22 ms at 0.8 mA
+        assert!((budget.bus_ua - 3.375).abs() < 0.02, "{budget:?}");
         // 6.2 mAh a year are 0.707 µA.
         assert!((budget.loss_ua - 1.207).abs() < 0.01, "{budget:?}");
         let sum: f64 = budget.items().iter().map(|(_, ua)| ua).sum();

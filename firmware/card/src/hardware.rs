@@ -2,27 +2,22 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
-/// One reading of both sensors, in the device frame of phones.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SensorReading {
-    /// Specific force, in m/s².
-    pub force_m_s2: [f32; 3],
-    /// Magnetic field, uncalibrated, in µT.
-    pub field_ut: [f32; 3],
-}
-
-/// An accelerometer and a magnetometer with a buffer and an engine that notices motion.
+/// An accelerometer with a buffer, a magnetometer, and an engine that notices motion; both in the device frame of phones.
 #[allow(async_fn_in_trait, reason = "an application is one task on one core")]
 pub trait MotionSensor {
     /// What can go wrong on its bus.
     type Error: core::fmt::Debug;
 
-    /// Resets it and lets it read both at [`CardParams::reading_hz`](crate::CardParams) into its buffer.
+    /// Resets it, and lets it read the acceleration at [`CardParams::reading_hz`](crate::CardParams) into its buffer, and
+    /// the field.
     async fn start(&mut self) -> Result<(), Self::Error>;
 
-    /// Takes what was read since the last call, oldest first, and says how many readings that were; what does not fit
-    /// into `readings` is dropped.
-    async fn drain(&mut self, readings: &mut [SensorReading]) -> Result<usize, Self::Error>;
+    /// The latest magnetic field, uncalibrated, in µT.
+    async fn field_ut(&mut self) -> Result<[f32; 3], Self::Error>;
+
+    /// Takes the accelerations that were read since the last call, oldest first, as specific forces in m/s², and says how
+    /// many those were; what does not fit is dropped.
+    async fn drain(&mut self, forces_m_s2: &mut [[f32; 3]]) -> Result<usize, Self::Error>;
 
     /// Stops reading; from now on the sensor only notices motion.
     async fn arm(&mut self) -> Result<(), Self::Error>;

@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! sensor's buffer ─▶ calibration ─▶ RoundBuilder ─▶ CardRound ─▶ 31 bytes ─▶ advertiser
-//! 12.5 readings/s    hard, soft     gravity, B_h,   fieldwalk-   three channels
-//!                    iron           B_v, |acc|      codec
+//! 25 forces/s,       hard, soft     gravity, B_h,   fieldwalk-   three channels
+//! 3 fields/s         iron           B_v, |acc|      codec
 //! ```
 //!
 //! [`RoundBuilder`] is the arithmetic, which the simulator and a phone read as a card use too: the same bits on every
@@ -61,9 +61,7 @@ pub use calibration::Calibration;
 #[cfg(feature = "application")]
 pub use ellipsoid::{SwingRejection, fit};
 #[cfg(feature = "application")]
-pub use hardware::{
-    Advertiser, Board, Clock, Hardware, MotionSensor, Retained, SensorReading, Supply, Watchdog,
-};
+pub use hardware::{Advertiser, Board, Clock, Hardware, MotionSensor, Retained, Supply, Watchdog};
 #[cfg(feature = "application")]
 pub use pace::{MAX_DELAY_US, Pace, ROUND_US};
 #[cfg(feature = "application")]

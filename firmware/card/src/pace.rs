@@ -30,6 +30,11 @@ impl Pace {
         self.next_us
     }
 
+    /// The middle of a third of the open round, 0 to 2.
+    pub fn middle_us(&self, third: usize) -> u64 {
+        (self.next_us + ROUND_US * (2 * third as u64 + 1) / 6).saturating_sub(ROUND_US)
+    }
+
     /// Goes to the next round. Where the card was late by more than a round, it does not catch up.
     pub fn advance(&mut self, now_us: u64) {
         self.chance ^= self.chance << 13;
@@ -78,5 +83,6 @@ mod tests {
         assert!((11_000_000..=11_010_000).contains(&pace.next_us()));
         pace.restart(20_000_000);
         assert_eq!(pace.next_us(), 21_000_000);
+        assert_eq!([0, 1, 2].map(|third| pace.middle_us(third)), [20_166_666, 20_500_000, 20_833_333]);
     }
 }

@@ -1,8 +1,8 @@
 //! A card on recorded readings: no chip, no waiting, the same frames on every machine.
 //!
 //! ```
-//! use fieldwalk_card::replay::{ReplayCard, finish};
-//! use fieldwalk_card::{CardParams, RoundOutcome, SensorReading};
+//! use fieldwalk_card::replay::{ReplayCard, SensorReading, finish};
+//! use fieldwalk_card::{CardParams, RoundOutcome};
 //!
 //! let still = SensorReading { force_m_s2: [0.0, 9.81, 0.0], field_ut: [0.0, -42.0, -20.0] };
 //! let now_us = core::cell::Cell::new(0);
@@ -21,13 +21,22 @@ use core::task::{Context, Poll, Waker};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 use crate::application::{Card, CardParams};
-use crate::hardware::{
-    Advertiser, Board, Clock, Hardware, MotionSensor, Retained, SensorReading, Supply, Watchdog,
-};
+use crate::hardware::{Advertiser, Board, Clock, Hardware, MotionSensor, Retained, Supply, Watchdog};
 use crate::pace::{MAX_DELAY_US, ROUND_US};
 
-/// Microseconds between two readings: 12.5 a second.
-pub const READING_US: u64 = 80_000;
+/// Microseconds between two readings: 25 a second.
+pub const READING_US: u64 = 40_000;
+/// Most readings that wait for the card.
+const MAX_WAITING: usize = 64;
+
+/// An acceleration, and the magnetic field that the sensor's register holds at its time, in the device frame of phones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorReading {
+    /// Specific force, in m/s².
+    pub force_m_s2: [f32; 3],
+    /// Magnetic field, uncalibrated, in µT.
+    pub field_ut: [f32; 3],
+}
 
 /// A card whose sensor says what an iterator does.
 pub type ReplayCard<'a, I> = Card<Replay<'a, I>>;
@@ -50,7 +59,14 @@ impl<'a, I: Iterator<Item = SensorReading>> ReplayCard<'a, I> {
     /// A card that was just switched on, whose time is `now_us` and whose sensor gives a reading each [`READING_US`]; where
     /// there are no more, the sensor says nothing.
     pub fn switched_on(now_us: &'a Cell<u64>, readings: I, params: CardParams) -> Self {
-        let sensor = ReplaySensor { now_us, next_us: now_us.get() + READING_US, readings };
+        let sensor = ReplaySensor {
+            now_us,
+            next_us: now_us.get() + READING_US,
+            readings,
+            waiting_m_s2: [[0.0; 3]; MAX_WAITING],
+            n_waiting: 0,
+            field_ut: None,
+        };
         let board = Board {
             sensor,
             advertiser: Silent,
@@ -81,6 +97,24 @@ pub struct ReplaySensor<'a, I> {
     now_us: &'a Cell<u64>,
     next_us: u64,
     readings: I,
+    waiting_m_s2: [[f32; 3]; MAX_WAITING],
+    n_waiting: usize,
+    field_ut: Option<[f32; 3]>,
+}
+
+impl<I: Iterator<Item = SensorReading>> ReplaySensor<'_, I> {
+    /// Reads what there was to read until now.
+    fn catch_up(&mut self) {
+        while self.next_us <= self.now_us.get() {
+            let Some(reading) = self.readings.next() else { break };
+            self.next_us += READING_US;
+            self.field_ut = Some(reading.field_ut);
+            if let Some(slot) = self.waiting_m_s2.get_mut(self.n_waiting) {
+                *slot = reading.force_m_s2;
+                self.n_waiting += 1;
+            }
+        }
+    }
 }
 
 impl<I: Iterator<Item = SensorReading>> MotionSensor for ReplaySensor<'_, I> {
@@ -90,16 +124,16 @@ impl<I: Iterator<Item = SensorReading>> MotionSensor for ReplaySensor<'_, I> {
         Ok(())
     }
 
-    async fn drain(&mut self, into: &mut [SensorReading]) -> Result<usize, Infallible> {
-        let mut n = 0;
-        while self.next_us <= self.now_us.get() {
-            let Some(reading) = self.readings.next() else { break };
-            self.next_us += READING_US;
-            if let Some(slot) = into.get_mut(n) {
-                *slot = reading;
-                n += 1;
-            }
-        }
+    /// NaN before the first reading.
+    async fn field_ut(&mut self) -> Result<[f32; 3], Infallible> {
+        self.catch_up();
+        Ok(self.field_ut.unwrap_or([f32::NAN; 3]))
+    }
+
+    async fn drain(&mut self, forces_m_s2: &mut [[f32; 3]]) -> Result<usize, Infallible> {
+        self.catch_up();
+        let n = core::mem::take(&mut self.n_waiting).min(forces_m_s2.len());
+        forces_m_s2[..n].copy_from_slice(&self.waiting_m_s2[..n]);
         Ok(n)
     }
 

@@ -3,10 +3,10 @@
 use crate::calibration::Calibration;
 use crate::ellipsoid::{SwingRejection, fit};
 
-/// Most readings that a swing keeps.
-const MAX_READINGS: usize = 72;
+/// Most readings that a swing keeps: all of them, three a second.
+const MAX_READINGS: usize = 90;
 /// A reading nearer than this to one that is kept tells nothing new, in µT; where all places are taken, it grows.
-const SPACING_UT: f32 = 5.0;
+const SPACING_UT: f32 = 4.0;
 /// Reaction of gravity along the device's y below which a card hangs head down, and above which it is upright, in m/s².
 const HEAD_DOWN_M_S2: f32 = -7.0;
 const UPRIGHT_M_S2: f32 = 5.0;
@@ -68,7 +68,7 @@ fn is_apart(kept_ut: &[[f32; 3]], field_ut: [f32; 3], spacing_ut: f32) -> bool {
 }
 
 /// Sees a swing begin and end: the wearer turns the card head down, which it is not while worn, and about every axis for
-/// twenty seconds.
+/// half a minute.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SwingWatch {
     open: Option<(SwingCollector, u8)>,
@@ -77,7 +77,7 @@ pub struct SwingWatch {
 }
 
 /// Rounds that a swing takes.
-pub(crate) const SWING_ROUNDS: u8 = 20;
+pub(crate) const SWING_ROUNDS: u8 = 30;
 
 impl SwingWatch {
     /// Takes a raw field, in µT, while gravity's reaction is `gravity_m_s2`.
@@ -133,14 +133,14 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_begins_head_down_and_lasts_twenty_rounds() {
+    fn a_swing_begins_head_down_and_lasts_thirty_rounds() {
         let mut watch = SwingWatch::default();
         // Lying head down from the start is no gesture.
         watch.push([1.0; 3], [0.0, -9.8, 0.0]);
         assert!(!watch.is_open());
         watch.push([1.0; 3], [0.0, 9.8, 0.0]);
         watch.push([1.0; 3], [0.0, -9.8, 0.0]);
-        for _ in 0..19 {
+        for _ in 0..29 {
             assert_eq!(watch.end_round(), None);
         }
         assert_eq!(watch.end_round(), Some(Err(SwingRejection::TooShort)));

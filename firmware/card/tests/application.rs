@@ -3,8 +3,8 @@
 mod bench;
 
 use bench::{SharedWorld, frames, switched_on, world};
-use fieldwalk_card::replay::finish;
-use fieldwalk_card::{MAX_DELAY_US, ROUND_US, RoundOutcome, SensorReading};
+use fieldwalk_card::replay::{SensorReading, finish};
+use fieldwalk_card::{MAX_DELAY_US, ROUND_US, RoundOutcome};
 use fieldwalk_codec::battery_mv;
 
 /// The wearer walks: two steps a second.
@@ -34,7 +34,7 @@ fn a_round_is_a_second_and_a_frame() {
         assert!(!repr.header.flags.calibrated && !repr.header.flags.motion_missing);
         assert_eq!(battery_mv(repr.header.battery), Some(2_960));
     }
-    // Two steps a second at 12.5 readings a second: extremes near 9.81 ± 4 in every round.
+    // Two steps a second at 25 readings a second: extremes near 9.81 ± 4 in every round.
     assert!(reprs.iter().all(|repr| repr.acceleration_max.iter().max() >= Some(&13)));
     assert!(reprs.iter().all(|repr| repr.acceleration_min.iter().min() <= Some(&7)));
 }
@@ -127,7 +127,7 @@ fn numbers_go_on_over_a_reset() {
 /// 8 µT of hard iron move with it.
 fn swung(at_s: f64) -> SensorReading {
     let since_s = at_s - 5.0;
-    let upright = !(10.0..34.0).contains(&since_s);
+    let upright = !(10.0..42.0).contains(&since_s);
     let (roll, pitch) = if upright { (0.0, 0.0) } else { (1.3 * (since_s - 10.0), 0.55 * (since_s - 10.0)) };
     let rotate = |[x, y, z]: [f64; 3]| {
         let (x, y) = (x * f64::cos(roll) - y * f64::sin(roll), x * f64::sin(roll) + y * f64::cos(roll));
@@ -147,13 +147,13 @@ fn a_swing_calibrates_the_card_for_ever() {
     let world = world();
     world.borrow_mut().reading = Box::new(swung);
     let mut card = switched_on(&world);
-    let reprs = frames(&world, &mut card, 50);
-    assert!(!reprs[9].header.flags.calibrated && reprs[45].header.flags.calibrated);
+    let reprs = frames(&world, &mut card, 58);
+    assert!(!reprs[9].header.flags.calibrated && reprs[55].header.flags.calibrated);
     assert!((f32::from(reprs[5].b_h[0]) / 25.0 - 20.0).abs() > 5.0, "iron shows before");
     let is_right = |b_h: u16, b_v: i16| {
         (f32::from(b_h) / 25.0 - 20.0).abs() < 0.5 && (f32::from(b_v) / 25.0 + 42.0).abs() < 0.5
     };
-    assert!(is_right(reprs[49].b_h[1], reprs[49].b_v[1]), "{:?}", reprs[49]);
+    assert!(is_right(reprs[57].b_h[1], reprs[57].b_v[1]), "{:?}", reprs[57]);
     let found = *card.calibration().unwrap();
     drop(card);
     let mut card = switched_on(&world);
@@ -166,7 +166,7 @@ fn power_that_fails_while_a_calibration_is_written_leaves_the_one_before() {
     let world = world();
     world.borrow_mut().reading = Box::new(swung);
     let mut card = switched_on(&world);
-    frames(&world, &mut card, 40);
+    frames(&world, &mut card, 50);
     let first = *card.calibration().unwrap();
     drop(card);
     for n_written in [0, 1, 4, 31, 63] {
@@ -178,7 +178,7 @@ fn power_that_fails_while_a_calibration_is_written_leaves_the_one_before() {
         });
         world.borrow_mut().writable = n_written;
         let mut card = switched_on(&world);
-        frames(&world, &mut card, 45);
+        frames(&world, &mut card, 55);
         assert_ne!(card.calibration(), Some(&first), "until the reset the new one holds");
         drop(card);
         assert_eq!(world.borrow().writable, 0);

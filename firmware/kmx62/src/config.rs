@@ -86,7 +86,7 @@ impl Resolution {
 pub struct Config {
     /// Readings of the acceleration a second.
     pub acceleration_rate: Rate,
-    /// Readings of the field a second. In the buffer only equal rates are known to interleave.
+    /// Readings of the field a second. If both go into the buffer, only equal rates are known to interleave.
     pub field_rate: Rate,
     /// Largest acceleration.
     pub range: AccelerationRange,

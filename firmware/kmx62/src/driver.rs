@@ -3,14 +3,14 @@
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::i2c::I2c;
 
-use crate::buffer::{BufferEntry, BufferStatus};
+use crate::buffer::{BufferStatus, Entry};
 use crate::config::{Config, Resolution, WakeUp};
 use crate::interrupt::Interrupts;
 use crate::register::{
-    AMI_EN, BUF_ALL_AXES, BUF_MODE_STREAM, CNTL1_COTC, CNTL1_SRST, CNTL2_ACCEL_EN, INC1_AMI1,
-    INC3_ACTIVE_HIGH_LATCHED, Register,
+    AMI_EN, BUF_MODE_STREAM, CNTL1_COTC, CNTL1_SRST, CNTL2_ACCEL_EN, INC1_AMI1, INC3_ACTIVE_HIGH_LATCHED,
+    Register,
 };
-use crate::sample::{AccelerationRange, Sample};
+use crate::sample::{AccelerationRange, FIELD_UT_PER_LSB, Sample};
 
 /// Identities that the part may tell.
 ///
@@ -21,8 +21,8 @@ pub const WHO_AM_I: [u8; 2] = [0x18, 0x19];
 
 /// How long the part takes for a reset at most, in ms. Examples wait from 2 ms to 1 s; the true figure is not known.
 const RESET_MS: u32 = 50;
-/// Entries that are read in one go: a burst takes 2.2 ms at 400 kHz, during which the buffer takes nothing in.
-const BURST_ENTRIES: usize = 8;
+/// Bytes that are read in one go, at most: 2.2 ms at 400 kHz, during which the buffer takes nothing in.
+const BURST_LEN: usize = 96;
 
 /// By the level of a pin, the part's address on the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -145,14 +145,24 @@ impl<I: I2c> Kmx62<I> {
         Ok(Sample::from_bytes(self.read(Register::AccelXL).await?))
     }
 
-    /// Lets all six axes go into the buffer, in which the oldest make room for the newest. Both sensors must read at one
-    /// rate.
+    /// The latest reading of the field, in µT.
     ///
     /// # Errors
     /// When the bus fails.
-    pub async fn start_buffer(&mut self) -> Result<(), Error<I::Error>> {
+    pub async fn field_ut(&mut self) -> Result<[f32; 3], Error<I::Error>> {
+        let bytes: [u8; 6] = self.read(Register::MagXL).await?;
+        Ok([0, 1, 2]
+            .map(|k| f32::from(i16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]])) * FIELD_UT_PER_LSB))
+    }
+
+    /// Lets readings go into the buffer as entries `E`, in which the oldest make room for the newest. For entries of both
+    /// sensors these must read at one rate.
+    ///
+    /// # Errors
+    /// When the bus fails.
+    pub async fn start_buffer<E: Entry>(&mut self) -> Result<(), Error<I::Error>> {
         let address = Register::BufCtrl1 as u8;
-        self.i2c.write(self.address, &[address, 0, BUF_MODE_STREAM, BUF_ALL_AXES]).await?;
+        self.i2c.write(self.address, &[address, 0, BUF_MODE_STREAM, E::AXES]).await?;
         self.clear_buffer().await
     }
 
@@ -172,21 +182,22 @@ impl<I: I2c> Kmx62<I> {
         Ok(BufferStatus::from_bytes(self.read(Register::BufStatus1).await?))
     }
 
-    /// Takes the oldest readings from the buffer, as many as fit into `entries`, and says how many those were.
+    /// Takes the oldest readings from the buffer, as many as fit into `entries`, and says how many those were. `E` is what
+    /// the buffer was started with.
     ///
     /// # Errors
     /// When the bus fails; readings that were taken before are lost.
-    pub async fn read_buffer(&mut self, entries: &mut [BufferEntry]) -> Result<usize, Error<I::Error>> {
-        let n_held = self.buffer_status().await?.n_entries().min(entries.len());
+    pub async fn read_buffer<E: Entry>(&mut self, entries: &mut [E]) -> Result<usize, Error<I::Error>> {
+        let n_held = self.buffer_status().await?.n_entries::<E>().min(entries.len());
         let mut n = 0;
         while n < n_held {
-            let mut bytes = [0; BURST_ENTRIES * BufferEntry::LEN];
-            let n_burst = (n_held - n).min(BURST_ENTRIES);
-            let burst = &mut bytes[..n_burst * BufferEntry::LEN];
+            let mut bytes = [0; BURST_LEN];
+            let n_burst = (n_held - n).min(BURST_LEN / E::LEN);
+            let burst = &mut bytes[..n_burst * E::LEN];
             self.i2c.write_read(self.address, &[Register::BufRead as u8], burst).await?;
-            for chunk in burst.as_chunks().0 {
+            for chunk in burst.chunks_exact(E::LEN) {
                 // A filler in the middle says that the buffer held less than it said.
-                let Some(entry) = BufferEntry::from_bytes(*chunk) else { return Ok(n) };
+                let Some(entry) = E::from_slice(chunk) else { return Ok(n) };
                 entries[n] = entry;
                 n += 1;
             }

@@ -11,7 +11,7 @@
 //!     sensor.reset(delay).await?;
 //!     sensor.identify().await?;
 //!     sensor.start(&config).await?;
-//!     sensor.start_buffer().await?;
+//!     sensor.start_buffer::<BufferEntry>().await?;
 //!     delay.delay_ms(1_000).await;
 //!     let mut entries = [BufferEntry::default(); 32];
 //!     let n = sensor.read_buffer(&mut entries).await?;
@@ -43,7 +43,7 @@ mod interrupt;
 mod register;
 mod sample;
 
-pub use buffer::{BUFFER_LEN, BufferEntry, BufferStatus};
+pub use buffer::{AccelerationEntry, BUFFER_LEN, BufferEntry, BufferStatus, Entry};
 pub use config::{Config, Rate, Resolution, Sensor, WakeUp, WakeUpRate};
 pub use driver::{Error, Kmx62, SlaveAddress, WHO_AM_I};
 pub use interrupt::{Interrupts, MotionAxes};

@@ -12,6 +12,8 @@ pub enum Register {
     Inl = 0x05,
     /// First of the outputs: acceleration, field, temperature, low bytes first.
     AccelXL = 0x0A,
+    /// First of the field's outputs.
+    MagXL = 0x10,
     /// What drives pin GPIO1.
     Inc1 = 0x2A,
     /// Polarity and latching of the pins.
@@ -56,5 +58,6 @@ pub(crate) const INC1_AMI1: u8 = 1 << 1;
 pub(crate) const INC3_ACTIVE_HIGH_LATCHED: u8 = 1 << 2;
 /// BUF_CTRL_2: stream, in which the oldest make room.
 pub(crate) const BUF_MODE_STREAM: u8 = 1 << 1;
-/// BUF_CTRL_3: all six axes go into the buffer.
-pub(crate) const BUF_ALL_AXES: u8 = 0b0111_1110;
+/// BUF_CTRL_3: which axes go into the buffer.
+pub(crate) const BUF_ACCELERATION: u8 = 0b0111_0000;
+pub(crate) const BUF_FIELD: u8 = 0b0000_1110;

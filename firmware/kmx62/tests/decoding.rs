@@ -1,8 +1,8 @@
 //! What the part says, decoded: any bytes, and every bit in its place.
 
 use fieldwalk_kmx62::{
-    AccelerationRange, BufferEntry, BufferStatus, Interrupts, MotionAxes, Rate, Resolution, Sample, Sensor,
-    WakeUpRate,
+    AccelerationEntry, AccelerationRange, BufferEntry, BufferStatus, Interrupts, MotionAxes, Rate,
+    Resolution, Sample, Sensor, WakeUpRate,
 };
 use proptest::prelude::*;
 
@@ -55,7 +55,8 @@ proptest! {
             prop_assert_eq!(&entry.to_bytes()[..], &bytes[..12]);
         }
         let status = BufferStatus::from_bytes(status);
-        prop_assert!(status.n_entries() <= 32 && status.level <= 511 && status.n_lost < 1 << 14);
+        prop_assert!(status.n_entries::<AccelerationEntry>() <= 64);
+        prop_assert!(status.n_entries::<BufferEntry>() <= 32 && status.level <= 511 && status.n_lost < 1 << 14);
     }
 
     #[test]

@@ -7,8 +7,8 @@ use embedded_hal::i2c::ErrorKind;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use fieldwalk_kmx62::{
-    AccelerationRange, BufferEntry, Config, Error, Kmx62, MotionAxes, Rate, Resolution, SlaveAddress, WakeUp,
-    WakeUpRate,
+    AccelerationEntry, AccelerationRange, BufferEntry, Config, Error, Kmx62, MotionAxes, Rate, Resolution,
+    SlaveAddress, WakeUp, WakeUpRate,
 };
 
 fn wait<T>(future: impl Future<Output = T>) -> T {
@@ -115,7 +115,7 @@ fn bytes_of(entries: impl Iterator<Item = i16>) -> Vec<u8> {
 #[test]
 fn the_buffer_streams_all_axes() {
     let transactions = [write(&[0x77, 0x00, 0x02, 0x7E]), write(&[0x7A, 0x00])];
-    assert_eq!(on_part(&transactions, async |part| part.start_buffer().await), Ok(()));
+    assert_eq!(on_part(&transactions, async |part| part.start_buffer::<BufferEntry>().await), Ok(()));
 }
 
 #[test]
@@ -147,7 +147,10 @@ fn a_level_beyond_the_buffer_is_cut() {
     assert_eq!(on_part(&transactions, async |part| part.read_buffer(&mut entries).await), Ok(32));
     let status =
         on_part(&[read(0x7B, &[0xFF, 0x07, 0x01])], async |part| part.buffer_status().await).unwrap();
-    assert_eq!((status.level, status.is_triggered, status.n_lost, status.n_entries()), (511, true, 65, 32));
+    assert_eq!(
+        (status.level, status.is_triggered, status.n_lost, status.n_entries::<BufferEntry>()),
+        (511, true, 65, 32)
+    );
 }
 
 #[test]
@@ -183,4 +186,25 @@ fn a_bus_that_fails_is_told() {
     assert_eq!(result, Err(Error::Bus(ErrorKind::ArbitrationLoss)));
     let broken = write(&[0x3A, 0]).with_error(ErrorKind::Bus);
     assert!(on_part(&[broken], async |part| part.standby().await).is_err());
+}
+
+#[test]
+fn the_acceleration_alone_is_half_an_entry() {
+    let transactions = [write(&[0x77, 0x00, 0x02, 0x70]), write(&[0x7A, 0x00])];
+    assert_eq!(on_part(&transactions, async |part| part.start_buffer::<AccelerationEntry>().await), Ok(()));
+    let bytes: Vec<u8> = (0..25_i16).flat_map(|k| [k, -k, 8_192].map(i16::to_le_bytes).concat()).collect();
+    let mut entries = [AccelerationEntry::default(); 64];
+    let transactions = [read(0x7B, &[150, 0, 0]), read(0x7E, &bytes[..96]), read(0x7E, &bytes[96..])];
+    assert_eq!(on_part(&transactions, async |part| part.read_buffer(&mut entries).await), Ok(25));
+    assert!((0..25).all(|k| entries[k as usize] == AccelerationEntry([k, -k, 8_192])));
+    assert!((entries[0].acceleration_m_s2(AccelerationRange::G4)[2] - 9.806_65).abs() < 1e-5);
+    let filler = [read(0x7B, &[6, 0, 0]), read(0x7E, &[0xFF, 0x7F].repeat(3))];
+    assert_eq!(on_part(&filler, async |part| part.read_buffer(&mut entries).await), Ok(0));
+}
+
+#[test]
+fn the_field_alone_is_six_bytes() {
+    let transactions = [read(0x10, &[100, 0, 0x9C, 0xFF, 0x00, 0x80])];
+    let field_ut = on_part(&transactions, async |part| part.field_ut().await);
+    assert_eq!(field_ut, Ok([3.662_109_4, -3.662_109_4, -1_200.0]));
 }

@@ -4,13 +4,13 @@ use embassy_nrf::gpio::Input;
 use embassy_nrf::twim::{self, Twim};
 use embassy_nrf::{Peri, peripherals};
 use embassy_time::{Delay, Duration, with_timeout};
-use fieldwalk_card::{MotionSensor, SensorReading};
-use fieldwalk_kmx62::{BufferEntry, Config, Error, Kmx62, SlaveAddress, WakeUp};
+use fieldwalk_card::MotionSensor;
+use fieldwalk_kmx62::{AccelerationEntry, Config, Error, Kmx62, Rate, SlaveAddress, WakeUp};
 
 use crate::Irqs;
 
 /// Most entries of the buffer.
-const MAX_ENTRIES: usize = 32;
+const MAX_ENTRIES: usize = 64;
 
 /// The sensor, its bus and the pin by which it tells of motion.
 pub struct Sensor {
@@ -30,7 +30,10 @@ impl Sensor {
         scl: Peri<'static, peripherals::P0_27>,
         moved: Input<'static>,
     ) -> Self {
-        Self { bus, sda, scl, moved, config: Config::default(), ram: [0; 8] }
+        // The accelerometer as often as the application takes it to; the magnetometer twice as often as it is read, so that
+        // what it says is 80 ms old on average.
+        let config = Config { acceleration_rate: Rate::Hz25, field_rate: Rate::Hz6_25, ..Config::default() };
+        Self { bus, sda, scl, moved, config, ram: [0; 8] }
     }
 
     /// The part, its bus switched on until it is dropped.
@@ -54,18 +57,21 @@ impl MotionSensor for Sensor {
         part.reset(&mut Delay).await?;
         part.identify().await?;
         part.start(&config).await?;
-        part.start_buffer().await
+        part.start_buffer::<AccelerationEntry>().await
     }
 
-    async fn drain(&mut self, readings: &mut [SensorReading]) -> Result<usize, Self::Error> {
+    async fn field_ut(&mut self) -> Result<[f32; 3], Self::Error> {
+        self.part().field_ut().await
+    }
+
+    async fn drain(&mut self, forces_m_s2: &mut [[f32; 3]]) -> Result<usize, Self::Error> {
         let range = self.config.range;
-        let mut entries = [BufferEntry::default(); MAX_ENTRIES];
-        let n_asked = readings.len().min(MAX_ENTRIES);
+        let mut entries = [AccelerationEntry::default(); MAX_ENTRIES];
+        let n_asked = forces_m_s2.len().min(MAX_ENTRIES);
         let n = self.part().read_buffer(&mut entries[..n_asked]).await?;
         // The part is mounted so that its axes are those of a phone.
-        for (reading, entry) in readings.iter_mut().zip(&entries[..n]) {
-            *reading =
-                SensorReading { force_m_s2: entry.acceleration_m_s2(range), field_ut: entry.field_ut() };
+        for (force_m_s2, entry) in forces_m_s2.iter_mut().zip(&entries[..n]) {
+            *force_m_s2 = entry.acceleration_m_s2(range);
         }
         Ok(n)
     }

@@ -1,7 +1,7 @@
 //! The ID card's application on an emulated Cortex-M4F (`mps2-an386`).
 //!
-//! Reads `walk-01.readings` and so on from the working folder by semihosting: the sensor's buffer, 12 bytes an entry, as the
-//! KMX62 gives it. Writes `walk-01.frames` and so on: for each round the time in µs (8 bytes, little-endian), the frame of
+//! Reads `walk-01.readings` and so on from the working folder by semihosting: what the sensor's registers hold every 40 ms,
+//! 12 bytes as the KMX62 gives them, acceleration before field. Writes `walk-01.frames` and so on: for each round the time in µs (8 bytes, little-endian), the frame of
 //! 31 bytes, and the instructions that the round took (4 bytes). At the end it says how deep the stack was.
 //!
 //! Run with `-icount shift=6`: an instruction then takes 64 ns of the board's time, and SysTick counts 40 ns, so that its
@@ -19,13 +19,13 @@ use core::cell::Cell;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
-use fieldwalk_card::replay::{ReplayCard, finish, lasts_another_round};
-use fieldwalk_card::{CardParams, RoundOutcome, SensorReading};
-use fieldwalk_kmx62::{AccelerationRange, BufferEntry};
+use fieldwalk_card::replay::{ReplayCard, SensorReading, finish, lasts_another_round};
+use fieldwalk_card::{CardParams, RoundOutcome};
+use fieldwalk_kmx62::{AccelerationRange, BufferEntry, Entry as _};
 use semihosting::{io, println, process};
 
 /// Longest walk: five minutes and a half.
-const MAX_READINGS: usize = 4_096;
+const MAX_READINGS: usize = 8_192;
 const MAX_ROUNDS: usize = 340;
 /// Time in µs, frame, instructions.
 const RECORD: usize = 8 + 31 + 4;

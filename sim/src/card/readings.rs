@@ -11,8 +11,11 @@ use crate::phone::{Carried, Sensor, SensorModel};
 use crate::radio::RadioScene;
 use crate::vector::rotate_back;
 
-/// Both sensors at one rate, which the buffer asks for.
-pub const READINGS: Rate = Rate::Hz12_5;
+/// Readings of the accelerometer a second.
+pub const READINGS: Rate = Rate::Hz25;
+/// Readings of the magnetometer a second: its register holds each for four of the accelerometer's.
+pub const FIELD_READINGS: Rate = Rate::Hz6_25;
+const READINGS_A_FIELD: u32 = 4;
 /// The range of the accelerometer.
 pub const RANGE: AccelerationRange = AccelerationRange::G4;
 
@@ -21,7 +24,7 @@ pub const RANGE: AccelerationRange = AccelerationRange::G4;
 pub struct CardReadings {
     /// When the card was switched on, in seconds since the walk's recording began.
     pub switched_on_s: f64,
-    /// The readings, each 80 ms after the one before, the first 80 ms after that.
+    /// What its registers hold at each acceleration: each 40 ms after the one before, the first 40 ms after that.
     pub entries: Vec<BufferEntry>,
 }
 
@@ -32,7 +35,7 @@ impl CardModel {
     /// This card with a KMX62 at `resolution`, which is as noisy as `noise` says.
     #[must_use]
     pub fn at_resolution(self, resolution: Resolution, noise: &CardNoise) -> Self {
-        let [field_ut, acceleration_m_s2] = noise.sd(resolution, READINGS);
+        let [field_ut, acceleration_m_s2] = noise.sd(resolution, [FIELD_READINGS, READINGS]);
         Self {
             magnetometer: SensorModel { noise_sd: field_ut, ..self.magnetometer },
             accelerometer: SensorModel { noise_sd: acceleration_m_s2, ..self.accelerometer },
@@ -53,19 +56,21 @@ impl CardModel {
         let switched_on_s = Noise::new(seed, "card", 0).unit();
         let period_s = 1.0 / READINGS.hz();
         let steps = |value: f32, lsb: f32| (value / lsb).round() as i16;
-        let entries = (1..)
-            .map(|k| switched_on_s + f64::from(k) * period_s)
-            .take_while(|&time_s| time_s < carried.gait().duration_s())
-            .map(|time_s| {
+        let mut held = [0; 3];
+        let entries = (1_u32..)
+            .map(|k| (k, switched_on_s + f64::from(k) * period_s))
+            .take_while(|&(_, time_s)| time_s < carried.gait().duration_s())
+            .map(|(k, time_s)| {
                 acceleration.drift(period_s);
-                magnetometer.drift(period_s);
-                let pose = carried.pose(time_s);
-                let field_ut = rotate_back(pose.floor_from_device, field.field_ut(pose.place_m, time_s));
-                let force_m_s2 = acceleration.read(carried.specific_force_m_s2(time_s));
-                BufferEntry {
-                    acceleration: force_m_s2.map(|c| steps(c, RANGE.m_s2_per_lsb())),
-                    field: magnetometer.read(field_ut).map(|c| steps(c, FIELD_UT_PER_LSB)),
+                if k % READINGS_A_FIELD == 1 {
+                    magnetometer.drift(f64::from(READINGS_A_FIELD) * period_s);
+                    let pose = carried.pose(time_s);
+                    let field_ut = rotate_back(pose.floor_from_device, field.field_ut(pose.place_m, time_s));
+                    held = magnetometer.read(field_ut).map(|c| steps(c, FIELD_UT_PER_LSB));
                 }
+                let force_m_s2 = acceleration.read(carried.specific_force_m_s2(time_s));
+                let acceleration = force_m_s2.map(|c| steps(c, RANGE.m_s2_per_lsb()));
+                BufferEntry { acceleration, field: held }
             })
             .collect();
         CardReadings { switched_on_s, entries }

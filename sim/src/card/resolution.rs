@@ -54,10 +54,10 @@ impl CardNoise {
     }
 
     /// Standard deviations of a reading of the field, in µT, and of the acceleration, in m/s².
-    pub fn sd(&self, resolution: Resolution, rate: Rate) -> [f64; 2] {
+    pub fn sd(&self, resolution: Resolution, [field_rate, acceleration_rate]: [Rate; 2]) -> [f64; 2] {
         [
-            self.field.sd(conversions(resolution, rate, Sensor::Magnetometer)),
-            self.acceleration.sd(conversions(resolution, rate, Sensor::Accelerometer)),
+            self.field.sd(conversions(resolution, field_rate, Sensor::Magnetometer)),
+            self.acceleration.sd(conversions(resolution, acceleration_rate, Sensor::Accelerometer)),
         ]
     }
 }
@@ -81,11 +81,12 @@ mod tests {
 
     #[test]
     fn noise_by_hand() {
-        let [field_ut, acceleration_m_s2] = CardNoise::MIDDLE.sd(Resolution::Averages32And16, Rate::Hz12_5);
+        let [field_ut, acceleration_m_s2] =
+            CardNoise::MIDDLE.sd(Resolution::Averages32And16, [Rate::Hz12_5; 2]);
         // √(0.3² + 2²/16) and √(0.005² + 0.05²/32)
         assert!((field_ut - 0.583).abs() < 1e-3 && (acceleration_m_s2 - 0.010_155).abs() < 1e-5);
         assert_eq!(conversions(Resolution::Maximum, Rate::Hz12_5, Sensor::Magnetometer), 1_024.0);
-        let [worst_ut, _] = CardNoise::HIGH.sd(Resolution::Maximum, Rate::Hz3_125);
+        let [worst_ut, _] = CardNoise::HIGH.sd(Resolution::Maximum, [Rate::Hz3_125; 2]);
         assert!((worst_ut - 0.3).abs() < 1e-9);
     }
 }

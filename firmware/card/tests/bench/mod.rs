@@ -6,10 +6,9 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use fieldwalk_card::replay::finish;
+use fieldwalk_card::replay::{READING_US, SensorReading, finish};
 use fieldwalk_card::{
-    Advertiser, Board, Card, CardParams, Clock, Hardware, MotionSensor, Retained, SensorReading, Supply,
-    Watchdog,
+    Advertiser, Board, Card, CardParams, Clock, Hardware, MotionSensor, Retained, Supply, Watchdog,
 };
 use fieldwalk_codec::{CardFrame, CardRepr};
 
@@ -106,17 +105,23 @@ impl MotionSensor for Part {
         if world.is_sensor_broken { Err("no acknowledge") } else { Ok(()) }
     }
 
-    async fn drain(&mut self, readings: &mut [SensorReading]) -> Result<usize, Self::Error> {
+    async fn field_ut(&mut self) -> Result<[f32; 3], Self::Error> {
+        let mut world = self.0.borrow_mut();
+        let at_s = world.now_us as f64 * 1e-6;
+        if world.is_sensor_broken { Err("no acknowledge") } else { Ok((world.reading)(at_s).field_ut) }
+    }
+
+    async fn drain(&mut self, forces_m_s2: &mut [[f32; 3]]) -> Result<usize, Self::Error> {
         let mut world = self.0.borrow_mut();
         if world.is_sensor_broken {
             return Err("no acknowledge");
         }
         let mut n = 0;
-        while world.last_reading_us + 80_000 <= world.now_us {
-            world.last_reading_us += 80_000;
+        while world.last_reading_us + READING_US <= world.now_us {
+            world.last_reading_us += READING_US;
             let at_s = world.last_reading_us as f64 * 1e-6;
-            if n < readings.len() {
-                readings[n] = (world.reading)(at_s);
+            if n < forces_m_s2.len() {
+                forces_m_s2[n] = (world.reading)(at_s).force_m_s2;
                 n += 1;
             }
         }
