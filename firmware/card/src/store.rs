@@ -50,7 +50,7 @@ impl<F: NorFlash> CalibrationStore<F> {
     /// # Errors
     /// When the flash cannot be read or does not fit.
     pub fn load(&mut self) -> Result<Option<Calibration>, StoreError<F::Error>> {
-        Ok(self.newest()?.map(|(_, _, calibration)| calibration))
+        Ok(self.newest()?.map(|stored| stored.calibration))
     }
 
     /// Stores a calibration in the page that does not hold the last.
@@ -58,33 +58,40 @@ impl<F: NorFlash> CalibrationStore<F> {
     /// # Errors
     /// When the flash cannot be written or does not fit.
     pub fn save(&mut self, calibration: &Calibration) -> Result<(), StoreError<F::Error>> {
-        let (page, count) =
-            self.newest()?.map_or((0, 0), |(page, count, _)| (1 - page, count.wrapping_add(1)));
+        let (page, count) = self.newest()?.map_or((0, 0), |last| (1 - last.page, last.count.wrapping_add(1)));
         let from = page * F::ERASE_SIZE as u32;
         self.flash.erase(from, from + F::ERASE_SIZE as u32)?;
         self.flash.write(from, &encode(count, calibration))?;
         Ok(())
     }
 
-    /// Page, count and calibration of the newest whole record.
-    fn newest(&mut self) -> Result<Option<(u32, u32, Calibration)>, StoreError<F::Error>> {
+    /// The newest whole record.
+    fn newest(&mut self) -> Result<Option<Stored>, StoreError<F::Error>> {
         let divides = LEN.is_multiple_of(F::READ_SIZE) && LEN.is_multiple_of(F::WRITE_SIZE);
         if !divides || F::ERASE_SIZE < LEN || self.flash.capacity() < 2 * F::ERASE_SIZE {
             return Err(StoreError::Unfit);
         }
-        let mut newest: Option<(u32, u32, Calibration)> = None;
+        let mut newest: Option<Stored> = None;
         for page in 0..2 {
             let mut record = [0; LEN];
             self.flash.read(page * F::ERASE_SIZE as u32, &mut record)?;
             // Counts wrap: of two in turns, the later is the one that is a little ahead.
             if let Some((count, calibration)) = decode(&record)
-                && newest.is_none_or(|(_, other, _)| count.wrapping_sub(other) < u32::MAX / 2)
+                && newest.is_none_or(|other| count.wrapping_sub(other.count) < u32::MAX / 2)
             {
-                newest = Some((page, count, calibration));
+                newest = Some(Stored { page, count, calibration });
             }
         }
         Ok(newest)
     }
+}
+
+/// A record: in which page it is, how many there were before, what it says.
+#[derive(Clone, Copy)]
+struct Stored {
+    page: u32,
+    count: u32,
+    calibration: Calibration,
 }
 
 fn encode(count: u32, calibration: &Calibration) -> [u8; LEN] {

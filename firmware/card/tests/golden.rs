@@ -19,7 +19,7 @@ fn frames(entries: &[BufferEntry]) -> Vec<(u64, [u8; 31])> {
     let mut card = ReplayCard::switched_on(&now_us, readings, CardParams::of_card(1));
     let mut frames = Vec::new();
     while lasts_another_round(entries.len(), now_us.get()) {
-        let RoundOutcome::Sent(frame) = finish(card.round()) else { panic!("a walk is no sleep") };
+        let RoundOutcome::Sent(frame) = finish(card.round()) else { unreachable!("a walk is no sleep") };
         frames.push((now_us.get(), frame));
     }
     frames

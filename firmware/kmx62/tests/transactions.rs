@@ -14,7 +14,7 @@ use fieldwalk_kmx62::{
 fn wait<T>(future: impl Future<Output = T>) -> T {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(value) => value,
-        Poll::Pending => panic!("the mock waits"),
+        Poll::Pending => unreachable!("the mock waits"),
     }
 }
 

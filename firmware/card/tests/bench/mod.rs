@@ -142,7 +142,8 @@ impl MotionSensor for Part {
         assert!(world.is_armed, "a sensor that reads does not watch");
         let until_us = world.now_us + 1_000_000 * u64::from(at_most_s);
         let moved_us = world.motions_s.front().map(|at_s| (at_s * 1e6) as u64);
-        let moved_us = moved_us.expect("the card sleeps for ever").max(world.now_us);
+        let Some(moved_us) = moved_us else { unreachable!("the card sleeps for ever") };
+        let moved_us = moved_us.max(world.now_us);
         let is_moved = moved_us <= until_us;
         world.now_us = moved_us.min(until_us);
         if is_moved {
@@ -155,7 +156,9 @@ impl MotionSensor for Part {
 impl Advertiser for Part {
     async fn advertise(&mut self, frame: &[u8; 31]) {
         let mut world = self.0.borrow_mut();
-        let repr = CardRepr::parse(&CardFrame::new_unchecked(frame)).unwrap();
+        let Ok(repr) = CardRepr::parse(&CardFrame::new_unchecked(frame)) else {
+            unreachable!("no card's frame: {frame:02x?}")
+        };
         let now_us = world.now_us;
         world.sent.push((now_us, repr));
     }
