@@ -29,9 +29,18 @@ pub struct CardWalks {
 }
 
 impl CardWalks {
-    /// The walks in the office of `seed`, with `change`d cards.
-    pub fn of(seed: u64, change: impl Fn(CardModel) -> CardModel) -> Self {
-        let office = office::surveyed(seed);
+    /// The walks in the office of `seed`.
+    pub fn of(seed: u64) -> Self {
+        Self::in_office(office::surveyed(seed), seed, |card| card)
+    }
+
+    /// The same walks with `change`d cards.
+    #[must_use]
+    pub fn with_cards(&self, change: impl Fn(CardModel) -> CardModel) -> Self {
+        Self::in_office(self.office.clone(), self.seed, change)
+    }
+
+    fn in_office(office: Surveyed, seed: u64, change: impl Fn(CardModel) -> CardModel) -> Self {
         let walks = (0..KWAK_PACES.len())
             .filter_map(|k| {
                 let usual = office::walk(&office, k, seed);
@@ -99,7 +108,7 @@ mod tests {
 
     #[test]
     fn what_the_application_sends_is_heard_as_a_walk() {
-        let walks = CardWalks::of(1, |card| card);
+        let walks = CardWalks::of(1);
         let entries: Vec<&[BufferEntry]> = walks.entries().collect();
         assert_eq!(entries.len(), KWAK_PACES.len());
         let (mut n_counted, mut n_by_paper, mut n_made) = (0, 0, 0);

@@ -39,7 +39,7 @@ struct Worth {
 
 /// Writes readings, or scores frames.
 pub fn run(arguments: &CardWalksArguments, out: &mut impl Write) -> Result<(), Stop> {
-    let walks = CardWalks::of(arguments.seed, |card| card);
+    let walks = CardWalks::of(arguments.seed);
     let folder = &arguments.dir;
     if !arguments.score {
         fs::create_dir_all(folder).map_err(|error| FormatError::io("make the folder", folder, error))?;

@@ -123,8 +123,9 @@ fn measure(n: u64) -> Vec<Accuracy> {
     let errors_m: Vec<Vec<Vec<f64>>> = (1..=n)
         .into_par_iter()
         .map(|seed| {
+            let usual = CardWalks::of(seed);
             let office = |(_, resolution, _, noise): &(_, Resolution, _, CardNoise)| {
-                let walks = CardWalks::of(seed, |card| card.at_resolution(*resolution, noise));
+                let walks = usual.with_cards(|card| card.at_resolution(*resolution, noise));
                 let frames: Vec<_> = walks.entries().map(|entries| host_frames(entries, 1)).collect();
                 let errors_m = (0..frames.len()).flat_map(|k| walks.errors_m(k, &frames[k]));
                 errors_m.filter(|error_m| error_m.is_finite()).collect::<Vec<f64>>()
