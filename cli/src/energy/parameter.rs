@@ -55,7 +55,7 @@ parameters! {
         "Start of the 32 MHz crystal, at 0.6 mA: 0.36 typical from memory, 1.5 what stacks reserve";
     cpu_ma [3.4, 3.7, 4.2],
         "nRF52832's processor at 64 MHz from flash with DC/DC. From memory; a vendor's page says 3.4";
-    round_instructions [18_200.0, 18_700.0, 26_200.0],
+    round_instructions [18_300.0, 18_800.0, 26_300.0],
         "Instructions of the application in a round, in the emulator: the mean, the dearest round, and 40 % more";
     driver_instructions [4_000.0, 10_000.0, 30_000.0],
         "Instructions of the drivers in a round: bus, radio, timers, wake-ups. A guess";
