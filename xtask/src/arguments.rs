@@ -11,11 +11,12 @@ cargo xtask bindings                                       the library for other
 cargo xtask kotlin                                         Kotlin's, compiled and tested on the JVM
 cargo xtask swift                                          Swift's, compiled and tested on Linux
 cargo xtask python                                         Python's, as a wheel, installed and tested
+cargo xtask android [--json]                               the engine for phones, the AAR and its tests; or sizes alone
 cargo xtask firmware [--json]                              the ID card's images, run on an emulated one
 
-stages: install format tidy clippy docs deny test bindings kotlin swift python firmware fuzz aarch64
---quick leaves out install, deny, bindings, kotlin, swift, python, firmware, fuzz and
-aarch64. --json leaves standard output to the object that firmware ends with.
+stages: install format tidy clippy docs deny test bindings kotlin swift python android firmware fuzz aarch64
+--quick leaves out install, deny, bindings, kotlin, swift, python, android, firmware, fuzz and
+aarch64. firmware ends with its figures as a JSON object; --json leaves standard output to figures.
 FIELDWALK_DATA=FOLDER       where recordings are; without it the tests that need them are skipped
 FIELDWALK_REQUIRE_DATA=1    a missing recording fails instead
 FIELDWALK_SWIFT_ROOT=FOLDER where Debian's Swift is unpacked, when no Swift is installed; in the cache by default
@@ -28,10 +29,10 @@ pub struct Arguments {
     pub quick: bool,
     /// Stages to run; empty for all.
     pub only: Vec<String>,
-    /// Standard output is for programs.
-    pub json: bool,
     /// Time for each fuzz target.
     pub fuzz_seconds: u32,
+    /// Print figures alone, a JSON object a line.
+    pub json: bool,
 }
 
 impl Arguments {
@@ -41,11 +42,11 @@ impl Arguments {
     /// A sentence for the user when a command, an option, a stage or a number is unknown.
     pub fn parse(words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
         let mut words = words;
-        let mut arguments = Self { quick: false, only: Vec::new(), json: false, fuzz_seconds: 60 };
+        let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 60, json: false };
         match words.next().as_deref() {
             Some("test") => {}
             Some(
-                stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python"
+                stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python" | "android"
                 | "firmware"),
             ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
@@ -54,7 +55,9 @@ impl Arguments {
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--quick" => arguments.quick = true,
-                "--json" => arguments.json = true,
+                "--json" if arguments.only == ["android"] || arguments.only == ["firmware"] => {
+                    arguments.json = true;
+                }
                 "--only" => {
                     let stage = words.next().ok_or("--only needs a stage")?;
                     if !STAGES.iter().any(|known| known.name == stage) {
@@ -92,12 +95,15 @@ mod tests {
         assert_eq!((fuzz.only, fuzz.fuzz_seconds), (vec!["fuzz".to_owned()], 5));
         let test = parse("test --quick --only docs --only deny").unwrap().unwrap();
         assert!(test.quick);
+        assert!(parse("android --json").unwrap().unwrap().json);
         assert_eq!(test.only, ["docs", "deny"]);
     }
 
     #[test]
     fn unknown_words_are_refused() {
-        for line in ["tset", "test --quik", "test --only nothing", "fuzz --seconds 0", "test --only"] {
+        for line in
+            ["tset", "test --quik", "test --only nothing", "fuzz --seconds 0", "test --only", "fuzz --json"]
+        {
             assert!(parse(line).is_err(), "{line}");
         }
     }

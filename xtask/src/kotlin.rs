@@ -49,7 +49,7 @@ pub fn run(workspace: &Workspace) -> Outcome {
         Ok(()) => Ok(()).into(),
         Err(reason) => {
             let text = fs::read_to_string(&log).unwrap_or_default();
-            if OFFLINE.iter().any(|sign| text.contains(sign)) {
+            if is_offline(&text) {
                 return Outcome::skipped(format!(
                     "Maven cannot fetch what the Kotlin tests need; with a network: cargo xtask test --only kotlin ({})",
                     log.display()
@@ -59,6 +59,11 @@ pub fn run(workspace: &Workspace) -> Outcome {
             Err(reason).into()
         }
     }
+}
+
+/// Whether Maven's output says that a repository was out of reach.
+pub fn is_offline(log: &str) -> bool {
+    OFFLINE.iter().any(|sign| log.contains(sign))
 }
 
 /// Whether there is a compiler for Java; Kotlin's needs the same libraries.

@@ -1,6 +1,7 @@
 //! `cargo xtask …`: the checks of this workspace, the same for people and for continuous integration.
 
 mod aarch64;
+mod android;
 mod arguments;
 mod bindings;
 mod elf;
@@ -38,10 +39,11 @@ fn main() -> ExitCode {
     };
     let workspace = Workspace::open();
     let report = stages::run(&workspace, &arguments);
+    // Figures have standard output to themselves.
     if arguments.json {
-        eprint!("\n{report}");
+        eprint!("\n{report}")
     } else {
-        print!("\n{report}");
+        print!("\n{report}")
     }
     if arguments.only == ["firmware"] {
         print!("{}", firmware::result(&workspace).unwrap_or_default());

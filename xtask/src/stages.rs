@@ -6,7 +6,7 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, bindings, firmware, fuzz, install, kotlin, python, swift, tidy};
+use crate::{aarch64, android, bindings, firmware, fuzz, install, kotlin, python, swift, tidy};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -29,6 +29,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "kotlin", quick: false, run: |workspace, _| kotlin::run(workspace) },
     Stage { name: "swift", quick: false, run: |workspace, _| swift::run(workspace) },
     Stage { name: "python", quick: false, run: |workspace, _| python::run(workspace) },
+    Stage { name: "android", quick: false, run: android::run },
     Stage { name: "firmware", quick: false, run: |workspace, _| firmware::run(workspace) },
     Stage {
         name: "fuzz",

@@ -30,7 +30,7 @@ pub struct CardParams {
     /// The card's identifier, which its frames tell.
     pub card_id: u16,
     /// Readings of the accelerometer a second; default 25, which the KMX62 has, for the paper's 15, which it has not: at
-    /// 12.5 a fifth of the steps is lost, whose extremes fall between readings.
+    /// 12.5 extremes of steps fall between readings.
     pub reading_hz: f32,
     /// Cut-off of gravity's low-pass, in Hz; default 0.3: half of the slowest walk's frequency, so that steps do not tilt
     /// the vertical, and a card that turns on its strap is upright again within seconds.
