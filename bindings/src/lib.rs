@@ -7,8 +7,9 @@
 //!
 //! Every object may be used from any thread. A call is synchronous, runs on the caller's thread and returns its
 //! result; nothing is called back, no thread is started. An object does one call at a time: a second one waits. Samples
-//! of one wearer should come from one thread, for two threads that push at once leave their order open. After a panic
-//! inside a call, later calls on the object give [`ApiError::Broken`].
+//! of one wearer should come from one thread, for two threads that push at once leave their order open: what then comes
+//! more than 200 ms late is refused and counted, and a thread that is more than a minute behind the other passes for a clock
+//! that was set back. After a panic inside a call, later calls on the object give [`ApiError::Broken`].
 //!
 //! # Bits
 //!
@@ -17,8 +18,8 @@
 //!
 //! # Unsafe code
 //!
-//! There is none here, and the compiler refuses it; what crosses the boundary unsafely is inside `uniffi` and what its
-//! macros expand to.
+//! There is none here but for the module `sensor_loop` of the feature `jni`, and the compiler refuses it; what else crosses
+//! the boundary unsafely is inside `uniffi` and what its macros expand to.
 #![deny(missing_docs)]
 
 mod building_map;
@@ -33,6 +34,8 @@ mod positioner;
 mod recorder;
 mod recording_reader;
 mod samples;
+#[cfg(feature = "jni")]
+mod sensor_loop;
 mod snapshot;
 mod status;
 mod surveyed_floor;

@@ -90,11 +90,14 @@ pub struct SurveyStatus {
 }
 
 /// How far the floor is covered, with a grid to draw.
+///
+/// The grid is coarser than the map's, whose nodes are half a metre apart: it is drawn while a walk goes on, and a line covers
+/// three metres to each side.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]
 pub struct SurveyCoverage {
     /// The sums.
     pub totals: CoverageTotals,
-    /// Distance between the grid's nodes, in metres; the first lies at the origin.
+    /// Distance between the grid's nodes, in metres, 1 in this version; the first lies at the origin.
     pub cell_m: f64,
     /// Nodes along x.
     pub n_columns: u32,

@@ -1,13 +1,14 @@
 //! A digest of fixes, to the bit: two machines that print the same one computed the same.
 
+use fieldwalk::attitude::{Attitude, CarryMode};
 use fieldwalk::positioner::{Fix, Mode};
 use sha2::{Digest, Sha256};
 
 /// SHA-256 over the exact bits of a sequence of fixes.
 ///
 /// Each fix enters as: time (ns, i64), floor (i32), then as f64 x, y, heading, speed, the covariance's four numbers,
-/// the 68 % and 95 % radius, latitude and longitude (NaN without a georeference), then the mode's number (u8). All are
-/// little-endian.
+/// the 68 % and 95 % radius, latitude and longitude (NaN without a georeference), then the numbers (u8) of the mode, the
+/// attitude and the carry mode. All are little-endian.
 #[derive(Debug, Default)]
 pub struct FixBits {
     hasher: Sha256,
@@ -39,7 +40,9 @@ impl FixBits {
             let number = if number.is_nan() { f64::NAN } else { number };
             self.hasher.update(number.to_bits().to_le_bytes());
         }
-        self.hasher.update([mode_number(fix.mode)]);
+        let numbers =
+            [mode_number(fix.mode), attitude_number(fix.attitude), carry_mode_number(fix.carry_mode)];
+        self.hasher.update(numbers);
     }
 
     /// The digest so far, in 64 hexadecimal digits.
@@ -59,10 +62,33 @@ fn mode_number(mode: Mode) -> u8 {
     }
 }
 
+fn attitude_number(attitude: Attitude) -> u8 {
+    match attitude {
+        Attitude::UpwardForwardHorizontal => 1,
+        Attitude::UpwardForwardInclined => 2,
+        Attitude::UpwardNotForward => 3,
+        Attitude::NotUpward => 4,
+        // What the bindings have no name for is unknown to them.
+        _ => 0,
+    }
+}
+
+fn carry_mode_number(mode: CarryMode) -> u8 {
+    match mode {
+        CarryMode::HeldUp => 1,
+        CarryMode::HeldUpright => 2,
+        CarryMode::Calling => 3,
+        CarryMode::Swinging => 4,
+        CarryMode::FrontPocket => 5,
+        CarryMode::BackPocket => 6,
+        CarryMode::OnTable => 7,
+        _ => 0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fieldwalk::attitude::{Attitude, CarryMode};
     use fieldwalk::geometry::Point2;
     use fieldwalk::time::Timestamp;
 
@@ -78,8 +104,8 @@ mod tests {
             radius_68_m: 1.5,
             radius_95_m: 2.5,
             mode: Mode::ParticleFilter,
-            attitude: Attitude::Unknown,
-            carry_mode: CarryMode::Unknown,
+            attitude: Attitude::UpwardForwardHorizontal,
+            carry_mode: CarryMode::HeldUp,
         }
     }
 
@@ -92,7 +118,7 @@ mod tests {
     /// The same fix and digest stand in the tests of the bindings, which compute it in their own language.
     #[test]
     fn the_digest_of_a_fix_is_known() {
-        assert_eq!(hex(&fix()), "5403e681b73e71fea3723a43b989ead92fabcfcd09c89624ad6ddc5576a456aa");
+        assert_eq!(hex(&fix()), "716ca978f0fc2292c308af89090d3f0fe1177a1f151aed465a23722dd4058f29");
     }
 
     #[test]
@@ -106,6 +132,8 @@ mod tests {
             Fix { radius_95_m: one_bit_more(2.5), ..fix() },
             Fix { latitude_longitude_deg: Some((0.0, 0.0)), ..fix() },
             Fix { mode: Mode::Stale, ..fix() },
+            Fix { attitude: Attitude::NotUpward, ..fix() },
+            Fix { carry_mode: CarryMode::Calling, ..fix() },
             Fix { time: Timestamp::from_nanos(1_000_001), ..fix() },
         ];
         for other in others {

@@ -7,6 +7,7 @@
 //! | `plan.geojson` | its plan |
 //! | `walk.txt` | the walk as a log that `fieldwalk replay` reads |
 //! | `walk.samples` | its records in order of time, for encoders: a record a line, fields separated by spaces |
+//! | `card.samples` | the frames of a card that the walker would have worn: the phone's samples read as a card's |
 //! | `walk.batch` | its samples in one batch, by the encoder for Rust |
 //! | `kinds.samples`, `kinds.batch` | a few samples of every kind, whole range of numbers |
 //!
@@ -19,6 +20,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use fieldwalk::card::CardEmulator;
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::BuildingMap;
 use fieldwalk::sensor::{RadioSighting, Reading, Sample, TransmitterId};
@@ -57,6 +59,8 @@ fn main() {
     let records = read_log(&folder.join("walk.txt"));
     write("walk.samples", lines(&records).as_bytes());
     write("walk.batch", &batch(&records));
+
+    write("card.samples", lines(&card_frames(&records)).as_bytes());
 
     let kinds = samples_of_every_kind();
     write("kinds.samples", lines(&kinds).as_bytes());
@@ -135,6 +139,16 @@ fn read_log(path: &Path) -> Vec<Record> {
     assert_eq!(reader.rejections().total(), 0, "every line written is read");
     records.sort_by_key(|record| (record.time(), matches!(record, Record::Waypoint { .. })));
     records
+}
+
+fn card_frames(records: &[Record]) -> Vec<Record> {
+    let mut card = CardEmulator::default();
+    let frame_of = |record: &Record| {
+        let Record::Sample(sample) = record else { return None };
+        let frame = card.push(sample)?;
+        Some(Record::Sample(Sample { time: sample.time, reading: Reading::CardFrame(frame) }))
+    };
+    records.iter().filter_map(frame_of).collect()
 }
 
 fn samples_of_every_kind() -> Vec<Record> {

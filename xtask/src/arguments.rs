@@ -13,6 +13,8 @@ cargo xtask swift                                          Swift's, compiled and
 cargo xtask python                                         Python's, as a wheel, installed and tested
 cargo xtask android [--json]                               the engine for phones, the AAR and its tests; or sizes alone
 cargo xtask firmware [--json]                              the ID card's images, run on an emulated one
+cargo xtask xcframework                                    the engine for iOS, for ios/
+cargo xtask bench-jvm                                      what pushing samples costs on the JVM, as tables
 
 stages: install format tidy clippy docs deny test bindings kotlin swift python android firmware fuzz aarch64
 --quick leaves out install, deny, bindings, kotlin, swift, python, android, firmware, fuzz and
@@ -47,7 +49,7 @@ impl Arguments {
             Some("test") => {}
             Some(
                 stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python" | "android"
-                | "firmware"),
+                | "bench-jvm" | "xcframework" | "firmware"),
             ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
             Some(other) => return Err(format!("unknown command `{other}`")),

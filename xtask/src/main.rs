@@ -19,6 +19,7 @@ mod swift;
 mod swift_toolchain;
 mod tidy;
 mod workspace;
+mod xcframework;
 
 use std::process::ExitCode;
 

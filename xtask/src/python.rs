@@ -30,7 +30,7 @@ pub fn run(workspace: &Workspace) -> Outcome {
         }
         Err(Unmade::Failed(reason)) => return Err(reason).into(),
     };
-    test(workspace, &environment, &sources, &folder).into()
+    Outcome::found(test(workspace, &environment, &sources, &folder))
 }
 
 /// The Python that this stage can use.
@@ -58,8 +58,8 @@ fn environment(workspace: &Workspace, python: &str, folder: &Path) -> Result<Pat
     Ok(own)
 }
 
-fn test(workspace: &Workspace, python: &Path, sources: &Path, folder: &Path) -> Result<(), String> {
-    let walk = bindings::walk(workspace)?;
+fn test(workspace: &Workspace, python: &Path, sources: &Path, folder: &Path) -> Result<String, String> {
+    let walk = bindings::walk(workspace, bindings::PYTHON)?;
     let mut install = pip(workspace, python);
     install
         .args(["install", "--no-index", "--no-deps", "--no-build-isolation", "--force-reinstall"])
@@ -72,9 +72,10 @@ fn test(workspace: &Workspace, python: &Path, sources: &Path, folder: &Path) -> 
         .args(["-B", "-W", "error", "-m", "unittest", "discover", "-s"])
         .arg(workspace.root.join("bindings/python/tests"))
         .current_dir(folder)
-        .env("FIELDWALK_WALK", walk)
+        .env("FIELDWALK_WALK", &walk)
         .env("PYTHONDONTWRITEBYTECODE", "1");
-    execute(&mut tests)
+    execute(&mut tests)?;
+    bindings::compared_bits(&walk, bindings::PYTHON)
 }
 
 /// pip in the environment of `python`, quiet and leaving nothing beside the sources.

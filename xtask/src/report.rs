@@ -10,24 +10,35 @@ pub enum Verdict {
     Skipped,
 }
 
-/// What one stage did: its verdict, why it failed, and everything that it left out.
+/// What one stage did: its verdict, why it failed, everything that it left out, and what it found.
 #[derive(Debug)]
 pub struct Outcome {
     pub verdict: Verdict,
     pub failures: Vec<String>,
     pub skipped: Vec<String>,
+    /// Findings to show.
+    pub notes: Vec<String>,
 }
 
 impl Outcome {
     /// Failed if anything failed; otherwise passed, even if parts were left out.
     pub fn new(failures: Vec<String>, skipped: Vec<String>) -> Self {
         let verdict = if failures.is_empty() { Verdict::Passed } else { Verdict::Failed };
-        Self { verdict, failures, skipped }
+        Self { verdict, failures, skipped, notes: Vec::new() }
+    }
+
+    /// What was found, or why it failed.
+    pub fn found(result: Result<String, String>) -> Self {
+        match result {
+            Ok(note) => Self { notes: vec![note], ..Self::new(Vec::new(), Vec::new()) },
+            Err(reason) => Self::new(vec![reason], Vec::new()),
+        }
     }
 
     /// The whole stage was left out.
     pub fn skipped(reason: impl Into<String>) -> Self {
-        Self { verdict: Verdict::Skipped, failures: Vec::new(), skipped: vec![reason.into()] }
+        let (failures, skipped) = (Vec::new(), vec![reason.into()]);
+        Self { verdict: Verdict::Skipped, failures, skipped, notes: Vec::new() }
     }
 }
 
@@ -72,6 +83,9 @@ impl fmt::Display for Report {
                 Verdict::Skipped => "SKIPPED",
             };
             writeln!(f, "{stage:<9} {result:<8} {:>7.1}", time.as_secs_f64())?;
+            for note in &outcome.notes {
+                writeln!(f, "          {note}")?;
+            }
             for reason in &outcome.failures {
                 writeln!(f, "          failed: {reason}")?;
             }
@@ -98,12 +112,14 @@ mod tests {
     #[test]
     fn the_last_line_counts_failures_and_everything_left_out() {
         let mut report = Report::default();
-        report.add("format", Outcome::from(Ok(())), Duration::from_secs(1));
+        report.add("format", Outcome::new(vec![], vec![]), Duration::from_secs(1));
+        report.add("python", Outcome::found(Ok("the same bits".to_owned())), Duration::from_secs(1));
         report.add("deny", Outcome::new(vec![], vec!["advisories".into()]), Duration::from_secs(2));
-        report.add("docs", Outcome::from(Err("broken link".into())), Duration::from_secs(3));
+        report.add("docs", Outcome::new(vec!["broken link".into()], vec![]), Duration::from_secs(3));
         report.add("aarch64", Outcome::skipped("no qemu"), Duration::ZERO);
         let text = report.to_string();
-        assert_eq!(text.lines().last(), Some("2 passed, 1 failed, 2 skipped"));
+        assert_eq!(text.lines().last(), Some("3 passed, 1 failed, 2 skipped"));
+        assert!(text.contains("\n          the same bits\n"), "{text}");
         assert!(text.contains("failed: broken link") && text.contains("skipped: no qemu"), "{text}");
     }
 }

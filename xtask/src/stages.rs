@@ -6,7 +6,7 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, android, bindings, firmware, fuzz, install, kotlin, python, swift, tidy};
+use crate::{aarch64, android, bindings, firmware, fuzz, install, kotlin, python, swift, tidy, xcframework};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -39,13 +39,18 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "aarch64", quick: false, run: |workspace, _| aarch64::run(workspace) },
 ];
 
+/// What is no check, and runs only when it is asked for by name.
+pub const ON_DEMAND: &[Stage] = &[
+    Stage { name: "bench-jvm", quick: false, run: |workspace, _| kotlin::bench(workspace) },
+    Stage { name: "xcframework", quick: false, run: |workspace, _| xcframework::run(workspace) },
+];
+
 /// Runs the stages asked for; one that fails does not keep the next from running.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Report {
     let mut report = Report::default();
-    for stage in STAGES {
-        if !arguments.only.is_empty() && !arguments.only.iter().any(|name| name == stage.name) {
-            continue;
-        }
+    let is_named = |stage: &Stage| arguments.only.iter().any(|name| name == stage.name);
+    let checks = STAGES.iter().filter(|stage| arguments.only.is_empty() || is_named(stage));
+    for stage in checks.chain(ON_DEMAND.iter().filter(|stage| is_named(stage))) {
         eprintln!("\n== {} ==", stage.name);
         let start = Instant::now();
         let outcome = if arguments.quick && !stage.quick {

@@ -8,7 +8,7 @@ use crate::process::run_into;
 use crate::report::Outcome;
 use crate::swift_toolchain::Toolchain;
 use crate::workspace::Workspace;
-use crate::{bindings, readme_example};
+use crate::{bindings, readme_example, xcframework};
 
 /// The Swift package.
 const PACKAGE: &str = "ios";
@@ -32,7 +32,8 @@ pub fn run(workspace: &Workspace) -> Outcome {
     };
     let library = bindings::library(workspace);
     let libraries = library.parent().unwrap_or(&workspace.target).to_owned();
-    Package { workspace, toolchain, folder: workspace.root.join(PACKAGE), libraries }.check().into()
+    let folder = workspace.root.join(PACKAGE);
+    Outcome::found(Package { workspace, toolchain, folder, libraries }.check())
 }
 
 struct Package<'a> {
@@ -44,8 +45,8 @@ struct Package<'a> {
 }
 
 impl Package<'_> {
-    fn check(&self) -> Result<(), String> {
-        let walk = bindings::walk(self.workspace)?;
+    fn check(&self) -> Result<String, String> {
+        let folder = bindings::walk(self.workspace, bindings::SWIFT)?;
         let example = self.folder.join(README_EXAMPLE);
         readme_example::write(&self.workspace.root, "swift", "import Fieldwalk\n\n", &example)?;
         let made = bindings::folder(self.workspace);
@@ -53,9 +54,11 @@ impl Package<'_> {
         let link = format!("-L{}", self.libraries.display());
         let flags = ["--scratch-path", &text(&build), "-Xswiftc", "-warnings-as-errors", "-Xlinker", &link];
         self.run("build", &[["swift", "build", "--build-tests"].as_slice(), &flags].concat())?;
-        let walk = format!("FIELDWALK_WALK={}", walk.display());
+        let walk = format!("FIELDWALK_WALK={}", folder.display());
         self.run("test", &[[walk.as_str(), "swift", "test"].as_slice(), &flags].concat())?;
-        self.check_apple_parts(&made.join("swift-stubs"))
+        self.check_apple_parts(&made.join("swift-stubs"))?;
+        xcframework::check_if_there(&self.workspace.root)?;
+        bindings::compared_bits(&folder, bindings::SWIFT)
     }
 
     /// What needs Apple's frameworks is type-checked against declarations of what it calls; the app is parsed.

@@ -43,11 +43,16 @@ public class SampleBatch(capacityBytes: Int = 4096) {{
 
     /** The batch so far: a view that the next sample or [clear] makes invalid. */
     public fun bytes(): ByteBuffer {{
-        buffer.putInt({N_RECORDS_AT}, size)
-        buffer.putInt({N_BYTES_AT}, buffer.position())
-        val view = buffer.duplicate()
+        val view = written().duplicate()
         view.flip()
         return view
+    }}
+
+    /** The batch so far, up to the buffer's position. */
+    internal fun written(): ByteBuffer {{
+        buffer.putInt({N_RECORDS_AT}, size)
+        buffer.putInt({N_BYTES_AT}, buffer.position())
+        return buffer
     }}
 {methods}
     /** Room for a record, and its header. */

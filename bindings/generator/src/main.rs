@@ -2,7 +2,7 @@
 //!
 //! `fieldwalk-bindgen LANGUAGE LIBRARY FOLDER SURFACE`: `LANGUAGE` is `kotlin`, `python` or `swift`, `LIBRARY` the
 //! unstripped shared library; generated sources go under `FOLDER`, and the public declarations found there must be those
-//! of the file `SURFACE`.
+//! of the file `SURFACE`, those of our own sources beside that file included.
 #![forbid(unsafe_code)]
 
 mod kotlin_batch;
@@ -15,7 +15,6 @@ mod swift_surface;
 mod wording;
 
 use std::error::Error;
-use std::path::Path;
 use std::process::ExitCode;
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -32,6 +31,8 @@ struct Language {
     declarations: fn(&str) -> Vec<String>,
     /// Where the sources begin that apps see together, from the folder of the generated ones.
     seen_with: &'static str,
+    /// The folder of our own sources, from that of the list of declarations, unless they are seen with the generated ones.
+    own_sources: Option<&'static str>,
     /// A file that belongs elsewhere: what it is called, and where it belongs, from the folder.
     moved: Option<(&'static str, &'static str)>,
 }
@@ -44,6 +45,7 @@ const LANGUAGES: &[Language] = &[
         encoder: ("SampleBatch.kt", kotlin_batch::source),
         declarations: kotlin_surface::declarations,
         seen_with: "",
+        own_sources: Some("src/main/kotlin"),
         moved: None,
     },
     Language {
@@ -53,6 +55,7 @@ const LANGUAGES: &[Language] = &[
         encoder: ("sample_batch.py", python_batch::source),
         declarations: python_surface::declarations,
         seen_with: "",
+        own_sources: Some("fieldwalk"),
         moved: None,
     },
     Language {
@@ -62,6 +65,7 @@ const LANGUAGES: &[Language] = &[
         encoder: ("SampleBatch.swift", swift_batch::source),
         declarations: swift_surface::declarations,
         seen_with: "..",
+        own_sources: None,
         // The header is a module of its own.
         moved: Some(("FieldwalkFFI.h", "../../FieldwalkFFI/FieldwalkFFI.h")),
     },
@@ -77,8 +81,9 @@ fn main() -> ExitCode {
         eprintln!("error: no bindings for the language `{language}`");
         return ExitCode::from(2);
     };
-    let declarations = generate(language, library, folder);
-    match declarations.and_then(|declarations| surface::compare(declarations, Path::new(surface))) {
+    let surface = Utf8Path::new(surface);
+    let declarations = generate(language, library, folder, surface);
+    match declarations.and_then(|declarations| surface::compare(declarations, surface.as_std_path())) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -88,7 +93,12 @@ fn main() -> ExitCode {
 }
 
 /// Writes the sources anew and gives their public declarations.
-fn generate(language: &Language, library: &str, folder: &str) -> Result<Vec<String>, Box<dyn Error>> {
+fn generate(
+    language: &Language,
+    library: &str,
+    folder: &str,
+    surface: &Utf8Path,
+) -> Result<Vec<String>, Box<dyn Error>> {
     let folder = Utf8PathBuf::from(folder);
     // A source that is no longer generated must not be compiled.
     if folder.exists() {
@@ -108,7 +118,8 @@ fn generate(language: &Language, library: &str, folder: &str) -> Result<Vec<Stri
     }
     let ending = Utf8Path::new(file).extension();
     let mut declarations = Vec::new();
-    let mut folders = vec![folder.join(language.seen_with)];
+    let own = language.own_sources.map(|own| surface.with_file_name(own));
+    let mut folders: Vec<_> = own.into_iter().chain([folder.join(language.seen_with)]).collect();
     while let Some(folder) = folders.pop() {
         for entry in folder.read_dir_utf8()? {
             let path = entry?.into_path();

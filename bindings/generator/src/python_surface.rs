@@ -1,15 +1,24 @@
-//! The public declarations of generated Python, one a line, for people to review.
+//! The public declarations of Python, generated and our own, one a line, for people to review.
 
 /// The declarations in `source` that programs may use: functions, classes, their methods, fields and cases, each with
 /// the names of the classes that it stands in.
 ///
-/// UniFFI prints a declaration's head on one line; what begins with an underscore is its own.
+/// What begins with an underscore is nobody else's.
 pub fn declarations(source: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut enclosing: Vec<Enclosing> = Vec::new();
     let mut is_text = false;
-    for line in source.lines() {
-        let text = line.trim();
+    let mut lines = source.lines();
+    while let Some(line) = lines.next() {
+        let mut text = line.trim().to_owned();
+        if text.starts_with("def ") {
+            // Parameters may take several lines.
+            while text.matches('(').count() > text.matches(')').count() {
+                let Some(next) = lines.next() else { break };
+                text = format!("{text} {}", next.trim());
+            }
+        }
+        let text = text.as_str();
         // Text between triple quotes, whole or its first or last line.
         let n_quotes = text.matches("\"\"\"").count();
         if is_text || n_quotes > 0 {
@@ -35,12 +44,17 @@ pub fn declarations(source: &str) -> Vec<String> {
             enclosing.push(Enclosing { indent, name: name.to_owned(), is_class: true, is_shown });
         } else if let Some(head) = text.strip_prefix("def ").or_else(|| text.strip_prefix("async def ")) {
             let name = name_of(head);
-            if is_shown && is_member && (is_public(name) || name == "__init__" && !enclosing.is_empty()) {
+            if is_shown && is_member && is_listed(name, enclosing.is_empty()) {
                 found.push(listed(&enclosing, &signature(head)));
             }
             enclosing.push(Enclosing { indent, name: name.to_owned(), is_class: false, is_shown: false });
-        } else if is_shown && is_member && !enclosing.is_empty() && is_case(text) {
+        } else if is_shown && is_member && !enclosing.is_empty() && (is_case(text) || is_field(text)) {
             found.push(listed(&enclosing, text.split(" = ").next().unwrap_or(text)));
+        } else if let Some((name, _)) = text.strip_prefix("cls.").and_then(|rest| rest.split_once(" = ")) {
+            // A method given to every class whose objects are the engine's.
+            if is_public(name) || name == "__enter__" {
+                found.push(format!("every object / {name}()"));
+            }
         }
     }
     found
@@ -67,9 +81,9 @@ fn is_public(name: &str) -> bool {
     !name.starts_with('_')
 }
 
-/// What UniFFI needs for itself and gives a public name.
+/// What is needed inside and has a public name.
 fn is_machinery(name: &str) -> bool {
-    name == "InternalError" || name.ends_with("Protocol")
+    ["InternalError", "make_closable"].contains(&name) || name.ends_with("Protocol")
 }
 
 /// The class with those of its bases that a program may know.
@@ -89,6 +103,17 @@ fn is_case(text: &str) -> bool {
         && is_public(name)
 }
 
+/// `name: type`, a field.
+fn is_field(text: &str) -> bool {
+    let Some((name, _)) = text.split_once(": ") else { return false };
+    is_public(name) && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+}
+
+/// Whether a program may call a function, or a method, of that name.
+fn is_listed(name: &str, is_function: bool) -> bool {
+    is_public(name) && !is_machinery(name) || name == "__init__" && !is_function
+}
+
 /// The head without its colon, without `self`, and with one space where UniFFI prints several.
 fn signature(head: &str) -> String {
     let head = head.trim_end().trim_end_matches("pass").trim_end().trim_end_matches(':');
@@ -101,7 +126,9 @@ fn signature(head: &str) -> String {
         ("(self)", "()"),
         ("(cls, ", "("),
         ("(cls,)", "()"),
+        (", )", ")"),
         (",)", ")"),
+        ("( ", "("),
     ] {
         head = head.replace(printed, plain);
     }
@@ -162,6 +189,28 @@ class Positioner(PositionerProtocol):
 
 def version() -> str:
     return \"\"
+@dataclass(frozen=True)
+class Replayed:
+    \"\"\"What a replay gave.\"\"\"
+
+    #: The fixes.
+    fixes: list[Fix]
+    @property
+    def median_error_m(self) -> float:
+        known: int = 1
+
+def replay(
+    building: BuildingMap,
+    *,
+    start: Optional[tuple[float, float]] = None,
+) -> Replayed:
+    \"\"\"Replays.\"\"\"
+def make_closable(cls: type) -> None:
+    def close(self) -> None:
+        pass
+    cls.close = close
+    cls._hidden = close
+    cls.__enter__ = lambda self: self
 def _hidden() -> None:
     pass
 ";
@@ -181,6 +230,12 @@ def _hidden() -> None:
                 "Positioner / restored(snapshot: bytes, seed: int) -> Positioner",
                 "Positioner / fix() -> typing.Optional[Fix]",
                 "version() -> str",
+                "class Replayed",
+                "Replayed / fixes: list[Fix]",
+                "Replayed / median_error_m() -> float",
+                "replay(building: BuildingMap, *, start: Optional[tuple[float, float]] = None) -> Replayed",
+                "every object / close()",
+                "every object / __enter__()",
             ]
         );
     }

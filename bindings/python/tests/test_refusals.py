@@ -43,6 +43,22 @@ class Refusals(unittest.TestCase):
         self.assertNotIn("who-lives-here", str(caught.exception))
         self.assertIsInstance(caught.exception, ApiError)
 
+    def test_a_map_that_is_cut_or_changed_is_refused(self):
+        with open_map() as building:
+            file = building.export()
+        for n_bytes in (0, 100, len(file) // 2):
+            self.assertRaises(ApiError.MapMalformed, BuildingMap.from_file, file[:n_bytes])
+        changed = bytearray(file)
+        changed[len(file) // 2] ^= 1
+        self.assertRaises(ApiError.MapCorrupt, BuildingMap.from_file, bytes(changed))
+
+    def test_a_recording_of_another_floor_is_not_surveyed(self):
+        path = str(self.folder / "upstairs.mcap")
+        with Recorder(path, RecordingDetails(floor="F3")) as recorder, Surveyor(PLAN, "F1", 0) as surveyor:
+            recorder.push_samples(batch_of(SAMPLES[:100]))
+            recorder.finish()
+            self.assertRaises(ApiError.WrongFloor, surveyor.add_recording, path, "w")
+
     def test_hints_floors_systems_and_times_are_checked(self):
         with open_map() as building:
             self.assertRaises(ApiError.UnknownFloor, Positioner, building, 7)

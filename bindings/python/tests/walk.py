@@ -6,13 +6,18 @@ import struct
 from pathlib import Path
 
 import fieldwalk
-from fieldwalk import FixMode, Point2, PositionHint, SampleBatch
+from fieldwalk import Attitude, CarryMode, FixMode, Point2, PositionHint, SampleBatch
 
 FOLDER = Path(os.environ["FIELDWALK_WALK"])  # run by: cargo xtask python
 MAP = str(FOLDER / "map")
 LOG = str(FOLDER / "walk.txt")
 #: What `fieldwalk replay --bits` says of the walk.
 DIGEST = (FOLDER / "walk.bits").read_text().split()[0]
+
+
+def tell(digest, n_fixes):
+    """Leaves the digest of the walk's fixes as Python found it, for the report of `cargo xtask test`."""
+    (FOLDER / "python.bits").write_text(f"{digest} {n_fixes}\n")
 
 
 class Record:
@@ -72,6 +77,24 @@ class FixBits:
         FixMode.OTHER: 255,
     }
 
+    ATTITUDES = {
+        Attitude.UNKNOWN: 0,
+        Attitude.UPWARD_FORWARD_HORIZONTAL: 1,
+        Attitude.UPWARD_FORWARD_INCLINED: 2,
+        Attitude.UPWARD_NOT_FORWARD: 3,
+        Attitude.NOT_UPWARD: 4,
+    }
+    CARRY_MODES = {
+        CarryMode.UNKNOWN: 0,
+        CarryMode.HELD_UP: 1,
+        CarryMode.HELD_UPRIGHT: 2,
+        CarryMode.CALLING: 3,
+        CarryMode.SWINGING: 4,
+        CarryMode.FRONT_POCKET: 5,
+        CarryMode.BACK_POCKET: 6,
+        CarryMode.ON_TABLE: 7,
+    }
+
     def __init__(self):
         self._digest = hashlib.sha256()
 
@@ -86,7 +109,8 @@ class FixBits:
         )  # fmt: skip
         # One NaN for all.
         numbers = [nan if number != number else number for number in numbers]
-        self._digest.update(struct.pack("<qi12dB", fix.time_ns, fix.floor, *numbers, self.MODES[fix.mode]))
+        cases = (self.MODES[fix.mode], self.ATTITUDES[fix.attitude], self.CARRY_MODES[fix.carry_mode])
+        self._digest.update(struct.pack("<qi12d3B", fix.time_ns, fix.floor, *numbers, *cases))
 
     def hex(self):
         return self._digest.hexdigest()

@@ -23,6 +23,11 @@ public struct CardSighting: Sendable, Equatable {
         frame = Data(Self.hiddenHead) + manufacturerData
     }
 
+    /// The identifier of the card that sent it; nothing when the frame is of a version that only a newer build reads.
+    public var cardId: UInt16? {
+        try? CardDecoder().decodeAdvertisement(advertisement: frame).cardId
+    }
+
     private static let frameBytes = 31
     private static let hiddenHead: [UInt8] = [0x02, 0x01, 0x06, 0x1b, 0xff]
     /// 0xFFFF, little-endian: set aside for tests by the Bluetooth SIG.

@@ -71,8 +71,10 @@ package final class SensorRun: @unchecked Sendable {
             let firstNs = self.firstNs ?? sample.timeNs
             self.firstNs = firstNs
             batch.append(sample)
+            // A frame is a whole second's, and the next comes a second later.
+            let isFrame = if case .cardFrame = sample { true } else { false }
             // Far apart either way; times may be any numbers.
-            if sample.timeNs.subtractingReportingOverflow(firstNs).partialValue.magnitude >= latencyNs.magnitude {
+            if isFrame || sample.timeNs.subtractingReportingOverflow(firstNs).partialValue.magnitude >= latencyNs.magnitude {
                 pushBatch()
             }
             return error != nil

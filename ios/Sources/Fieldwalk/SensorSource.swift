@@ -27,13 +27,15 @@ public enum SensorSample: Sendable, Equatable {
     case pressure(timeNs: Int64, hpa: Float)
     /// An iBeacon heard.
     case ibeacon(timeNs: Int64, uuid: UUID, major: UInt16, minor: UInt16, rssiDbm: Float)
+    /// A card's frame as it is on the air, 31 bytes; the system `card` follows them.
+    case cardFrame(timeNs: Int64, frame: Data)
 
     /// When, in nanoseconds.
     public var timeNs: Int64 {
         switch self {
         case .specificForce(let timeNs, _), .angularRate(let timeNs, _), .magneticField(let timeNs, _),
             .uncalibratedMagneticField(let timeNs, _, _), .pressure(let timeNs, _),
-            .ibeacon(let timeNs, _, _, _, _):
+            .ibeacon(let timeNs, _, _, _, _), .cardFrame(let timeNs, _):
             timeNs
         }
     }
@@ -57,6 +59,9 @@ extension SampleBatch {
         case .ibeacon(let timeNs, let uuid, let major, let minor, let rssiDbm):
             // A UUID has the sixteen bytes that the record asks for.
             try? ibeaconSighting(timeNs: timeNs, rssiDbm: rssiDbm, uuid: uuid.bytes, major: major, minor: minor)
+        case .cardFrame(let timeNs, let frame):
+            // What is not as long as a frame is none, and says nothing.
+            try? cardFrame(timeNs: timeNs, frame: frame)
         }
     }
 }

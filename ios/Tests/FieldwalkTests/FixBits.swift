@@ -28,6 +28,27 @@ struct FixBits {
             case .other: 255
             }
         append(mode)
+        let attitude: UInt8 =
+            switch fix.attitude {
+            case .unknown: 0
+            case .upwardForwardHorizontal: 1
+            case .upwardForwardInclined: 2
+            case .upwardNotForward: 3
+            case .notUpward: 4
+            }
+        append(attitude)
+        let carryMode: UInt8 =
+            switch fix.carryMode {
+            case .unknown: 0
+            case .heldUp: 1
+            case .heldUpright: 2
+            case .calling: 3
+            case .swinging: 4
+            case .frontPocket: 5
+            case .backPocket: 6
+            case .onTable: 7
+            }
+        append(carryMode)
     }
 
     var hex: String { digest.hex }

@@ -74,6 +74,35 @@ struct LifetimeTests {
             #expect(after.nThreads <= before.nThreads + ProcessInfo.processInfo.activeProcessorCount)
             #expect(after.nFiles <= before.nFiles)
         }
+
+        @Test func tenThousandObjectsLeaveNoMemoryThreadOrFileBehind() throws {
+            let map = try Walk.openMap()
+            let batch = batchOf(Walk.samples.prefix(60))
+            let file = FileManager.default.temporaryDirectory.appendingPathComponent("fieldwalk-\(UUID()).mcap")
+            defer { try? FileManager.default.removeItem(at: file) }
+            let recorder = try Recorder(path: file.path)
+            try recorder.pushSamples(batch: batch)
+            _ = try recorder.finish()
+            func cycles(_ n: Int) throws {
+                for _ in 0..<n {
+                    let positioner = try Positioner(map: map, floor: 0)
+                    try positioner.hint(hint: Walk.start)
+                    _ = try positioner.pushSamples(batch: batch)
+                    try positioner.flush()
+                    #expect(try positioner.fix() != nil)
+                    try MagnetometerCalibrator().pushSamples(batch: batch)
+                    #expect(try RecordingReader.open(path: file.path).nextPart(maxSamples: 1000)?.nSamples == 60)
+                    _ = CardDecoder()
+                }
+            }
+            try cycles(1000)
+            let before = ProcessUse.now()
+            try cycles(10_000)
+            let after = ProcessUse.now()
+            #expect(after.residentBytes - before.residentBytes < 4 << 20, "\(before) \(after)")
+            #expect(after.nThreads <= before.nThreads + ProcessInfo.processInfo.activeProcessorCount)
+            #expect(after.nFiles <= before.nFiles)
+        }
     #endif
 }
 

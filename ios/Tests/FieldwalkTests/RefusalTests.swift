@@ -32,6 +32,54 @@ struct RefusalTests {
         #expect(refusal { _ = try BuildingMap.open(path: secret.path) }?.code == "MapMalformed")
     }
 
+    @Test func aMapAsOneFileThatIsCutOrChangedIsRefused() throws {
+        let file = try Walk.openMap().export()
+        for count in [0, 100, file.count / 2, file.count - 1500] {
+            #expect(refusal { _ = try BuildingMap.fromFile(file: file.prefix(count)) }?.code == "MapMalformed", "\(count)")
+        }
+        var changed = file
+        changed[file.count / 2] &+= 1
+        #expect(refusal { _ = try BuildingMap.fromFile(file: changed) }?.code == "MapCorrupt")
+    }
+
+    @Test func aRecordingThatIsMissingNoneTornOrOfAnotherFloorIsToldApart() throws {
+        let folder = FileManager.default.temporaryDirectory.appendingPathComponent("fieldwalk-\(UUID())")
+        try FileManager.default.createDirectory(at: folder, withIntermediateDirectories: true)
+        defer { try? FileManager.default.removeItem(at: folder) }
+        func path(_ name: String) -> String { folder.appendingPathComponent(name).path }
+        #expect(refusal { _ = try RecordingReader.open(path: path("none")) }?.code == "RecordingNotFound")
+        try Data(count: 50).write(to: URL(fileURLWithPath: path("zeros")))
+        // Which format it is of shows as its first part is read.
+        let zeros = try RecordingReader.open(path: path("zeros"))
+        #expect(refusal { _ = try zeros.nextPart(maxSamples: 1) }?.code == "RecordingMalformed")
+
+        let recorder = try Recorder(path: path("walk"), details: RecordingDetails(floor: "F3"))
+        #expect(refusal { _ = try Recorder(path: path("walk")) }?.code == "FileExists")
+        try recorder.pushSamples(batch: batchOf(Walk.samples))
+        #expect(try recorder.finish().nSamples == UInt64(Walk.samples.count))
+        #expect(refusal { try recorder.flush() }?.code == "Finished")
+        let plan = try Data(contentsOf: Walk.folder.appendingPathComponent("plan.geojson"))
+        let surveyor = try Surveyor(plan: plan, name: "F1", ordinal: 0)
+        #expect(refusal { _ = try surveyor.addRecording(path: path("walk"), name: "w") }?.code == "WrongFloor")
+
+        let bytes = try Data(contentsOf: URL(fileURLWithPath: path("walk")))
+        try bytes.dropLast(3000).write(to: URL(fileURLWithPath: path("torn")))
+        var changed = bytes
+        changed[bytes.count / 2] &+= 1
+        try changed.write(to: URL(fileURLWithPath: path("changed")))
+        let (torn, tornLosses) = try samplesRead(path("torn"))
+        #expect(tornLosses.wasCut && torn > Walk.samples.count / 2 && torn <= Walk.samples.count)
+        let (whole, losses) = try samplesRead(path("changed"))
+        #expect(losses.nCorruptChunks >= 1 && whole < Walk.samples.count)
+    }
+
+    private func samplesRead(_ path: String) throws -> (Int, RecordingLosses) {
+        let reader = try RecordingReader.open(path: path)
+        var n = 0
+        while let part = try reader.nextPart(maxSamples: 1000) { n += Int(part.nSamples) }
+        return (n, try reader.losses())
+    }
+
     @Test func aFloorOrSystemThatIsNotThereIsRefused() throws {
         let map = try Walk.openMap()
         #expect(refusal { _ = try Positioner(map: map, floor: 7) }?.code == "UnknownFloor")

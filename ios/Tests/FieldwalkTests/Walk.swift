@@ -19,6 +19,12 @@ enum Walk {
     /// What `fieldwalk replay --bits` says of the walk.
     static let digest = String(text("walk.bits").prefix { $0 != " " })
 
+    /// Leaves the digest of the walk's fixes as Swift found it, for the report of `cargo xtask test`.
+    static func tell(digest: String, nFixes: Int) throws {
+        let file = folder.appendingPathComponent("swift.bits")
+        try Data("\(digest) \(nFixes)\n".utf8).write(to: file, options: .atomic)
+    }
+
     static func read(_ name: String) -> [Record] {
         text("\(name).samples").split(separator: "\n").map(Record.init)
     }
@@ -109,6 +115,7 @@ struct Record: Sendable {
             .ibeacon(
                 timeNs: timeNs, uuid: UUID(uuid: bytes(1).withUnsafeBytes { $0.loadUnaligned(as: uuid_t.self) }),
                 major: UInt16(fields[2])!, minor: UInt16(fields[3])!, rssiDbm: float(0))
+        case "card_frame": .cardFrame(timeNs: timeNs, frame: Data(bytes(0)))
         default: nil
         }
     }

@@ -30,7 +30,8 @@ pub fn run(workspace: &Workspace, folder: &Path) -> Outcome {
     let Some(maven) = find_program("mvn") else {
         return Outcome::skipped("Maven is missing: apt-get install maven");
     };
-    let made = bindings::walk(workspace).and_then(|walk| Ok((walk, floor(workspace, folder)?)));
+    let made =
+        bindings::walk(workspace, bindings::KOTLIN).and_then(|walk| Ok((walk, floor(workspace, folder)?)));
     let (walk, floor) = match made {
         Ok(made) => made,
         Err(reason) => return Err(reason).into(),

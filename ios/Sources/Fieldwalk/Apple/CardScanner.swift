@@ -33,6 +33,11 @@
             continuation.onTermination = { _ in scan.end() }
             return stream
         }
+
+        /// The frames of one card, for a session with the system `card`.
+        public func frames(ofCard cardId: UInt16) -> CardFrames {
+            CardFrames(cardId: cardId) { self.sightings() }
+        }
     }
 
     /// On its queue only, which Core Bluetooth calls back on.

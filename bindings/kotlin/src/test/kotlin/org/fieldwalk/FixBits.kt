@@ -10,7 +10,7 @@ class FixBits {
 
     fun push(fix: Fix) {
         val place = fix.latitudeLongitude
-        val bytes = ByteBuffer.allocate(8 + 4 + 12 * 8 + 1).order(ByteOrder.LITTLE_ENDIAN)
+        val bytes = ByteBuffer.allocate(8 + 4 + 12 * 8 + 3).order(ByteOrder.LITTLE_ENDIAN)
         bytes.putLong(fix.timeNs).putInt(fix.floor)
         val numbers = listOf(
             fix.position.xM, fix.position.yM, fix.headingRad, fix.speedMS,
@@ -28,7 +28,25 @@ class FixBits {
             FixMode.PAUSED -> 4
             FixMode.OTHER -> 255
         }
-        digest.update(bytes.put(mode.toByte()).array())
+        val attitude = when (fix.attitude) {
+            Attitude.UNKNOWN -> 0
+            Attitude.UPWARD_FORWARD_HORIZONTAL -> 1
+            Attitude.UPWARD_FORWARD_INCLINED -> 2
+            Attitude.UPWARD_NOT_FORWARD -> 3
+            Attitude.NOT_UPWARD -> 4
+        }
+        val carryMode = when (fix.carryMode) {
+            CarryMode.UNKNOWN -> 0
+            CarryMode.HELD_UP -> 1
+            CarryMode.HELD_UPRIGHT -> 2
+            CarryMode.CALLING -> 3
+            CarryMode.SWINGING -> 4
+            CarryMode.FRONT_POCKET -> 5
+            CarryMode.BACK_POCKET -> 6
+            CarryMode.ON_TABLE -> 7
+        }
+        listOf(mode, attitude, carryMode).forEach { bytes.put(it.toByte()) }
+        digest.update(bytes.array())
     }
 
     fun hex(): String = (digest.clone() as MessageDigest).digest().joinToString("") { "%02x".format(it) }

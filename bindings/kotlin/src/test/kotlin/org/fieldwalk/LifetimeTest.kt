@@ -5,6 +5,9 @@ import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.junit.jupiter.api.io.TempDir
+import java.io.File
+import java.util.concurrent.CountDownLatch
 import java.util.concurrent.Callable
 import java.util.concurrent.Executors
 
@@ -12,7 +15,9 @@ import java.util.concurrent.Executors
 class LifetimeTest {
     @Test
     fun `two threads on one positioner take turns and lose nothing`() {
-        val batches = Walk.samples.chunked(50)
+        // Half a minute: a thread that comes a whole minute after the other would pass for a clock that was set back.
+        val samples = Walk.samples.take(Walk.samples.size / 2)
+        val batches = samples.chunked(50)
         val threads = Executors.newFixedThreadPool(2)
         Walk.openMap().use { map ->
             Positioner(map, 0).use { positioner ->
@@ -22,8 +27,9 @@ class LifetimeTest {
                 }
                 val nFixes = threads.invokeAll(tasks).sumOf { it.get() }
                 val rejections = positioner.status().rejections
-                assertTrue(nFixes > 50, "$nFixes fixes")
-                assertTrue(rejections.duplicate + rejections.late >= Walk.samples.size.toULong(), "$rejections")
+                assertTrue(nFixes > 20, "$nFixes fixes")
+                assertEquals(samples.size.toULong(), rejections.duplicate + rejections.late, "$rejections")
+                assertEquals(0uL, rejections.implausible + rejections.jumped, "$rejections")
             }
         }
         threads.shutdown()
@@ -63,42 +69,96 @@ class LifetimeTest {
     }
 
     @Test
-    fun `ten thousand objects made, used and closed leave no thread and no memory behind`() {
-        val batch = batchOf(Walk.samples.take(60))
+    fun `an object closed while other threads call it ends in an exception at most`() {
+        val batch = batchOf(Walk.samples.take(200)).bytes()
+        val threads = Executors.newFixedThreadPool(2)
+        Walk.openMap().use { map ->
+            repeat(50) {
+                val positioner = Positioner(map, 0)
+                val began = CountDownLatch(1)
+                val push = Callable {
+                    assertThrows(IllegalStateException::class.java) {
+                        while (true) {
+                            positioner.pushSamples(batch.duplicate())
+                            began.countDown()
+                        }
+                    }
+                }
+                val pushing = List(2) { threads.submit(push) }
+                began.await()
+                positioner.close()
+                pushing.forEach { it.get() }
+            }
+        }
+        threads.shutdown()
+    }
+
+    @Test
+    fun `ten thousand objects made, started, stopped and closed leave no thread, file or memory behind`(@TempDir folder: File) {
+        val batch = batchOf(Walk.samples.take(60)).bytes()
+        val file = File(folder, "short.mcap").path
+        Recorder(file).use {
+            it.pushSamples(batch.duplicate())
+            it.finish()
+        }
         fun cycles(map: BuildingMap, n: Int) = repeat(n) {
             Positioner(map, 0).use { positioner ->
-                positioner.hint(PositionHint(Walk.start.point, 2.0, 0, Walk.start.timeNs))
-                positioner.pushSamples(batch.bytes())
+                positioner.hint(Walk.hint)
+                positioner.pushSamples(batch.duplicate())
+                positioner.flush()
                 assertNotNull(positioner.fix())
             }
-            MagnetometerCalibrator().use { it.pushSamples(batch.bytes()) }
+            MagnetometerCalibrator().use { it.pushSamples(batch.duplicate()) }
+            RecordingReader.open(file).use { assertEquals(60u, it.nextPart(1_000u)?.nSamples) }
             CardDecoder().close()
         }
         Walk.openMap().use { map ->
-            cycles(map, 1_000)
+            // The JVM compiles what is called often, and the allocator keeps what was freed: both end.
+            cycles(map, 5_000)
             System.gc()
-            val nThreads = Thread.getAllStackTraces().size
-            val beforeKb = nativeKb()
-            cycles(map, 9_000)
+            val before = ProcessUse.now()
+            cycles(map, 10_000)
             System.gc()
-            assertTrue(Thread.getAllStackTraces().size <= nThreads + 1, "threads")
-            // A positioner that stayed in a hundred would be tens of megabytes; the JVM itself moves by some.
-            if (beforeKb != null) assertTrue(nativeKb()!! - beforeKb < 40_000, "$beforeKb kB, then ${nativeKb()} kB")
+            val after = ProcessUse.now()
+            val grown = "$before, then $after"
+            println("10 000 cycles: $grown")
+            // A thread of the JVM's own may come or go.
+            assertTrue(after.nThreads <= before.nThreads + 1, grown)
+            assertTrue(after.nFiles <= before.nFiles, grown)
+            // A positioner with its particles takes about 100 kB: one kept of a hundred would be 10 MB.
+            assertTrue(after.residentKb - before.residentKb < 8_000, grown)
         }
     }
 
-    /** All that the process holds; of that the Java heap is fixed in size by the POM. */
-    private fun nativeKb(): Long? = java.io.File("/proc/self/status").takeIf { it.exists() }?.readLines()
-        ?.first { it.startsWith("VmRSS:") }?.split(Regex("\\s+"))?.get(1)?.toLong()
+    @Test
+    fun `thousands of recordings and surveys leave no file open`(@TempDir folder: File) {
+        val batch = batchOf(Walk.samples.take(60)).bytes()
+        val before = ProcessUse.now()
+        repeat(1_000) { k ->
+            // Every other one is closed without its end, as by an app that was left.
+            Recorder(File(folder, "$k.mcap").path).use {
+                it.pushSamples(batch.duplicate())
+                if (k % 100 == 0) it.finish()
+            }
+            Surveyor(Walk.plan.toDirect(), "F1", 0).use {
+                it.beginWalk("w")
+                it.pushSamples(batch.duplicate())
+                it.endWalk()
+            }
+        }
+        val after = ProcessUse.now()
+        assertTrue(after.nFiles <= before.nFiles && after.nThreads <= before.nThreads + 1, "$before, then $after")
+    }
 
     @Test
-    fun `a recorder, a surveyor and a decoder say so when they are closed`() {
-        val decoder = CardDecoder()
-        decoder.close()
-        assertThrows(IllegalStateException::class.java) { decoder.decodeAdvertisement(ByteArray(31).toDirect()) }
-        val calibrator = MagnetometerCalibrator()
-        calibrator.close()
-        assertThrows(IllegalStateException::class.java) { calibrator.verdict() }
+    fun `every object says so when it is closed`(@TempDir folder: File) {
+        fun refused(call: () -> Unit) = assertThrows(IllegalStateException::class.java) { call() }
+        val file = File(folder, "walk.mcap").path
+        Recorder(file).also { it.close() }.let { refused { it.flush() } }
+        RecordingReader.open(Walk.log.path).also { it.close() }.let { refused { it.nextPart(1u) } }
+        Surveyor(Walk.plan.toDirect(), "F1", 0).also { it.close() }.let { refused { it.beginWalk("w") } }
+        CardDecoder().also { it.close() }.let { refused { it.decodeAdvertisement(ByteArray(31).toDirect()) } }
+        MagnetometerCalibrator().also { it.close() }.let { refused { it.verdict() } }
     }
 
     @Test
@@ -110,6 +170,18 @@ class LifetimeTest {
             }
             System.gc()
             Positioner(map, 0).use { assertEquals(0u, it.status().nRecoveries) }
+        }
+    }
+}
+
+/** What the process holds; of its memory the Java heap is fixed in size by the POM. */
+data class ProcessUse(val residentKb: Long, val nThreads: Int, val nFiles: Int) {
+    companion object {
+        /** Zeros where there is no /proc. */
+        fun now(): ProcessUse {
+            val lines = File("/proc/self/status").takeIf { it.exists() }?.readLines() ?: return ProcessUse(0, 0, 0)
+            fun number(name: String) = lines.first { it.startsWith("$name:") }.split(Regex("\\s+"))[1].toLong()
+            return ProcessUse(number("VmRSS"), number("Threads").toInt(), File("/proc/self/fd").list()!!.size)
         }
     }
 }

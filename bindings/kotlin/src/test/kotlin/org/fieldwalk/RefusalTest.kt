@@ -44,6 +44,40 @@ class RefusalTest {
     }
 
     @Test
+    fun `a map as one file that is cut or changed is refused`() {
+        val file = Walk.openMap().use { it.export() }
+        for (length in listOf(0, 100, file.size / 2, file.size - 1_500)) {
+            refused<ApiException.MapMalformed> { BuildingMap.fromFile(file.copyOf(length).toDirect()).close() }
+        }
+        val changed = file.clone().also { it[file.size / 2] = (it[file.size / 2] + 1).toByte() }
+        refused<ApiException.MapCorrupt> { BuildingMap.fromFile(changed.toDirect()).close() }
+    }
+
+    @Test
+    fun `a recording that is missing, none, of another floor or changed is told apart`(@TempDir folder: File) {
+        refused<ApiException.RecordingNotFound> { RecordingReader.open(File(folder, "none").path).close() }
+        val file = File(folder, "walk.mcap")
+        file.writeBytes(ByteArray(50))
+        // Which format it is of shows as its first part is read.
+        RecordingReader.open(file.path).use { refused<ApiException.RecordingMalformed> { it.nextPart(1u) } }
+        val upstairs = File(folder, "upstairs.mcap")
+        Recorder(upstairs.path, RecordingDetails(floor = "F3")).use {
+            it.pushSamples(batchOf(Walk.samples).bytes())
+            it.finish()
+        }
+        Surveyor(Walk.plan.toDirect(), "F1", 0).use { surveyor ->
+            refused<ApiException.WrongFloor> { surveyor.addRecording(upstairs.path, "w") }
+        }
+        val bytes = upstairs.readBytes()
+        val middle = bytes.size / 2
+        val changed = File(folder, "changed.mcap").also { it.writeBytes(bytes.clone().apply { this[middle] = (this[middle] + 1).toByte() }) }
+        RecordingReader.open(changed.path).use { reader ->
+            val nSamples = generateSequence { reader.nextPart(1_000u) }.sumOf { it.nSamples }
+            assertTrue(nSamples < Walk.samples.size.toUInt() && reader.losses().nCorruptChunks >= 1uL, "${reader.losses()}")
+        }
+    }
+
+    @Test
     fun `a floor or system that is not there is refused`() {
         Walk.openMap().use { map ->
             refused<ApiException.UnknownFloor> { Positioner(map, 7).close() }

@@ -12,6 +12,8 @@ object Walk {
     val waypoints = records.filter { it.kind == "waypoint" }
     val start = waypoints.first()
 
+    val hint = PositionHint(start.point, 2.0, 0, start.timeNs)
+
     /** The walk as a log of text. */
     val log = File(folder, "walk.txt")
 
@@ -20,6 +22,9 @@ object Walk {
 
     /** What `fieldwalk replay --bits` says of the walk. */
     val digest = File(folder, "walk.bits").readText().substringBefore(' ')
+
+    /** Leaves the digest of the walk's fixes as Kotlin found it, for the report of `cargo xtask test`. */
+    fun tell(digest: String, nFixes: Int) = File(folder, "kotlin.bits").writeText("$digest $nFixes\n")
 
     fun records(name: String) = File(folder, "$name.samples").readLines().map { Record(it.split(' ')) }
 
