@@ -132,3 +132,24 @@ fn an_ibeacon_names_itself() {
     let card = decode_ibeacon(&card_frame(1, 1, &ROUND));
     assert!(matches!(card, Err(ApiError::AdvertisementForeign { .. })), "{card:?}");
 }
+
+#[test]
+fn the_golden_frames_of_the_firmware_are_read_as_they_were_sent() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/golden/walk-01.frames.txt");
+    let decoder = CardDecoder::new();
+    let text = std::fs::read_to_string(file).unwrap();
+    for (k, line) in text.lines().enumerate() {
+        let (_, digits) = line.split_once(' ').unwrap();
+        let bytes: Vec<u8> =
+            (0..31).map(|i| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).unwrap()).collect();
+        let round = decoder.decode_advertisement(&bytes).unwrap();
+        assert_eq!((round.card_id, usize::from(round.sequence)), (1, k));
+        assert_eq!((round.n_lost, round.just_woke), ((k > 0).then_some(0), k == 0));
+        // Byte by byte, as the layout has them.
+        let vertical = i16::from_le_bytes([bytes[12], bytes[13]]);
+        assert_eq!(round.vertical_field_ut[0], Some(f32::from(vertical) / 25.0));
+        assert_eq!(round.acceleration_max_m_s2[0], Some(f32::from(bytes[27] & 0x0F)));
+        assert_eq!(round.battery_mv, Some(u16::from(bytes[8]) * 20));
+    }
+    assert_eq!(text.lines().count(), 59);
+}

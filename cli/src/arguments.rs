@@ -1,5 +1,6 @@
 //! What can be asked for on the command line.
 
+mod card;
 mod import;
 mod report;
 mod reproduce;
@@ -15,6 +16,7 @@ use fieldwalk::system::Recipe;
 use crate::evaluation::{N_FOLDS, Start};
 use crate::floors::Layout;
 
+pub use card::{CardWalksArguments, EnergyArguments};
 pub use import::ImportArguments;
 pub use report::{EvaluationReport, ReportArguments};
 pub use reproduce::{PaperChoice, ReproduceArguments};
@@ -47,6 +49,9 @@ pub enum Command {
     Train(TrainArguments),
     Import(ImportArguments),
     Simulate(SimulateArguments),
+    Energy(EnergyArguments),
+    #[command(hide = true)]
+    CardWalks(CardWalksArguments),
 }
 
 /// Survey a simulated office and position walks in it: needs no recording.

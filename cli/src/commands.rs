@@ -1,6 +1,8 @@
 //! The commands.
 
+pub mod card_walks;
 pub mod demo;
+pub mod energy;
 pub mod evaluate;
 pub mod import;
 pub mod replay;

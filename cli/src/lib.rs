@@ -7,7 +7,9 @@
 
 mod arguments;
 mod bits;
+pub mod card_walks;
 mod commands;
+pub mod energy;
 mod error_table;
 pub mod evaluation;
 pub mod floors;
@@ -53,6 +55,8 @@ pub fn run_from<T: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = T
         }
         Command::Import(arguments) => commands::import::run(arguments, &mut out),
         Command::Simulate(arguments) => commands::simulate::run(arguments, &mut out),
+        Command::Energy(arguments) => commands::energy::run(arguments, &mut out),
+        Command::CardWalks(arguments) => commands::card_walks::run(arguments, &mut out),
     };
     // What was written before a failure is shown before it is explained.
     let flushed = out.flush().map_err(Stop::from);

@@ -40,7 +40,7 @@ pub mod claim;
 pub mod claims;
 pub mod estimate;
 mod ibill;
-mod kwak2018;
+pub(crate) mod kwak2018;
 mod mass_centered;
 mod outcome;
 pub mod page;

@@ -1,5 +1,11 @@
 //! ID cards: what their sensors say, what they make of it, and which access points hear it.
 
+mod readings;
+mod resolution;
+
+pub use readings::{CardReadings, FIELD_READINGS, RANGE, READINGS, SentFrame};
+pub use resolution::{CardNoise, SensorNoise, conversions, conversions_hz};
+
 use fieldwalk::card::{CardRoundBuilder, CardSensingParams};
 use fieldwalk::sensor::{RadioSighting, Reading, Sample};
 use fieldwalk::time::{Duration, Timestamp};
@@ -116,21 +122,33 @@ impl CardModel {
                 // Bluetooth sends up to 10 ms late, by chance.
                 let sent_s = time_s + noise.within(0.0, 0.01);
                 let time = origin + Duration::from_secs_f64(sent_s);
-                let mut n_heard = 0;
-                for transmitter in scene.transmitters.iter().filter(|t| !t.is_access_point()) {
-                    let Some(rssi_dbm) = self.heard_dbm(carried, scene, transmitter, sent_s, &mut noise)
-                    else {
-                        continue;
-                    };
-                    let sighting = RadioSighting { transmitter: transmitter.id, rssi_dbm };
-                    samples.push(Sample { time, reading: Reading::Radio(sighting) });
-                    n_heard += 1;
-                }
+                let heard = self.sightings(carried, scene, sent_s, &mut noise);
+                let n_heard = heard.len();
+                samples.extend(
+                    heard.into_iter().map(|sighting| Sample { time, reading: Reading::Radio(sighting) }),
+                );
                 let n_frames = if self.sends_frames { n_heard } else { 0 };
                 samples.extend((0..n_frames).map(|_| Sample { time, reading: Reading::CardFrame(frame) }));
             }
         }
         samples
+    }
+
+    /// Which access points hear a frame that is sent at `sent_s`, and how strongly.
+    fn sightings(
+        &self,
+        carried: &Carried,
+        scene: &RadioScene,
+        sent_s: f64,
+        noise: &mut Noise,
+    ) -> Vec<RadioSighting> {
+        let points = scene.transmitters.iter().filter(|t| !t.is_access_point());
+        points
+            .filter_map(|point| {
+                let rssi_dbm = self.heard_dbm(carried, scene, point, sent_s, noise)?;
+                Some(RadioSighting { transmitter: point.id, rssi_dbm })
+            })
+            .collect()
     }
 
     /// How strongly the access point at `point`'s place receives a frame, in whole dBm; nothing when it does not.

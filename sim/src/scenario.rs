@@ -14,6 +14,7 @@ use fieldwalk::time::{Duration, Timestamp};
 
 use crate::air::Air;
 use crate::building::{Building, Stairs, keeping_right};
+use crate::card::{CardReadings, SentFrame};
 use crate::magnetic_field::{EarthField, FieldOfDay, MagneticField, MovableParams, SteelParams, steel};
 use crate::noise::Noise;
 use crate::phone::{Carried, CarryMode, Grip};
@@ -201,12 +202,27 @@ impl Scenario {
         })
     }
 
-    /// What the phone of `walk` records, and the truth.
+    /// What the sensor of the card of `walk` reads; nothing where there is no card.
+    pub fn card_readings(&self, walk: &Walk) -> Option<CardReadings> {
+        let card = walk.card?;
+        let (gait, grip) = gait_of(walk);
+        let field = self.field_of_day(gait.duration_s(), walk.seed);
+        let hung = Carried::new(gait, grip, &[(0.0, CarryMode::OnStrap { height_cm: card.height_cm })]);
+        Some(card.readings(&hung, &field, [walk.device, walk.seed]))
+    }
+
+    /// What the phone of `walk`, or its card, records, and the truth.
     pub fn simulate(&self, walk: &Walk) -> Recorded {
-        let course = Course::with_heights(&walk.path, &walk.heights_m);
-        let Walk { walker, pauses, paces, .. } = walk;
-        let gait = Gait::with_paces(walker, course, pauses, paces, STANDING_S, walk.seed);
-        let grip = Grip::drawn(walk.walker.height_m, walk.seed);
+        self.simulate_with(walk, None)
+    }
+
+    /// As [`Self::simulate`], where the card of `walk` sent these frames instead of its own.
+    pub fn simulate_frames(&self, walk: &Walk, frames: &[SentFrame]) -> Recorded {
+        self.simulate_with(walk, Some(frames))
+    }
+
+    fn simulate_with(&self, walk: &Walk, frames: Option<&[SentFrame]>) -> Recorded {
+        let (gait, grip) = gait_of(walk);
         let field = self.field_of_day(gait.duration_s(), walk.seed);
         let air = Air::drawn(walk.seed);
         let seeds = [walk.device, walk.seed];
@@ -214,7 +230,10 @@ impl Scenario {
         if let Some(card) = &walk.card {
             let mode = CarryMode::OnStrap { height_cm: card.height_cm };
             let hung = Carried::new(gait.clone(), grip.clone(), &[(0.0, mode)]);
-            samples.extend(card.record(&hung, &field, &self.radio, ORIGIN, seeds));
+            samples.extend(match frames {
+                Some(frames) => card.hear(frames, &hung, &self.radio, ORIGIN, walk.seed),
+                None => card.record(&hung, &field, &self.radio, ORIGIN, seeds),
+            });
         }
         let carried = Carried::new(gait, grip, &walk.carrying);
         if walk.card.is_none_or(|card| !card.sends_frames) {
@@ -246,4 +265,11 @@ impl Scenario {
             steps: gait.steps().to_vec(),
         }
     }
+}
+
+fn gait_of(walk: &Walk) -> (Gait, Grip) {
+    let course = Course::with_heights(&walk.path, &walk.heights_m);
+    let Walk { walker, pauses, paces, .. } = walk;
+    let gait = Gait::with_paces(walker, course, pauses, paces, STANDING_S, walk.seed);
+    (gait, Grip::drawn(walker.height_m, walk.seed))
 }

@@ -13,8 +13,11 @@ pub const LINKER: &str = "aarch64-linux-gnu-gcc";
 pub const SYSROOT: &str = "/usr/aarch64-linux-gnu";
 
 /// Each passes on arm64 only if its bits equal those committed, which the stage `test` compares on this machine.
-const TESTS: [&str; 2] =
-    ["test --package fieldwalk-tests --test same_bits", "test --package fieldwalk-codec --lib --tests"];
+const TESTS: [&str; 3] = [
+    "test --package fieldwalk-tests --test same_bits",
+    "test --package fieldwalk-codec --lib --tests",
+    "test --package fieldwalk-card --tests",
+];
 
 pub fn run(workspace: &Workspace) -> Outcome {
     if cfg!(all(target_arch = "aarch64", target_os = "linux")) {

@@ -12,11 +12,13 @@ cargo xtask kotlin                                         Kotlin's, compiled an
 cargo xtask swift                                          Swift's, compiled and tested on Linux
 cargo xtask python                                         Python's, as a wheel, installed and tested
 cargo xtask android [--json]                               the engine for phones, the AAR and its tests; or sizes alone
+cargo xtask firmware [--json]                              the ID card's images, run on an emulated one
 cargo xtask xcframework                                    the engine for iOS, for ios/
 cargo xtask bench-jvm                                      what pushing samples costs on the JVM, as tables
 
-stages: install format tidy clippy docs deny test bindings kotlin swift python android fuzz aarch64
---quick leaves out install, deny, bindings, kotlin, swift, python, android, fuzz and aarch64.
+stages: install format tidy clippy docs deny test bindings kotlin swift python android firmware fuzz aarch64
+--quick leaves out install, deny, bindings, kotlin, swift, python, android, firmware, fuzz and
+aarch64. firmware ends with its figures as a JSON object; --json leaves standard output to figures.
 FIELDWALK_DATA=FOLDER       where recordings are; without it the tests that need them are skipped
 FIELDWALK_REQUIRE_DATA=1    a missing recording fails instead
 FIELDWALK_SWIFT_ROOT=FOLDER where Debian's Swift is unpacked, when no Swift is installed; in the cache by default
@@ -47,7 +49,7 @@ impl Arguments {
             Some("test") => {}
             Some(
                 stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python" | "android"
-                | "bench-jvm" | "xcframework"),
+                | "bench-jvm" | "xcframework" | "firmware"),
             ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
             Some(other) => return Err(format!("unknown command `{other}`")),
@@ -55,7 +57,9 @@ impl Arguments {
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--quick" => arguments.quick = true,
-                "--json" if arguments.only == ["android"] => arguments.json = true,
+                "--json" if arguments.only == ["android"] || arguments.only == ["firmware"] => {
+                    arguments.json = true;
+                }
                 "--only" => {
                     let stage = words.next().ok_or("--only needs a stage")?;
                     if !STAGES.iter().any(|known| known.name == stage) {

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use crate::aarch64::{self, TARGET};
 use crate::android;
+use crate::firmware;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
 use crate::swift_toolchain;
@@ -78,6 +79,12 @@ const TOOLS: &[Tool] = &[
         packages: &["debootstrap"],
     },
     Tool {
+        name: "qemu-system-arm",
+        purpose: "the emulated card, stage firmware",
+        is_present: || find_program(firmware::QEMU).is_some(),
+        packages: firmware::QEMU_PACKAGES,
+    },
+    Tool {
         name: "python3 with venv",
         purpose: "stage python",
         is_present: || python::find_python().is_some(),
@@ -103,15 +110,30 @@ pub fn find_cargo_deny(workspace: &Workspace) -> Option<PathBuf> {
     if own.is_file() { Some(own) } else { find_program("cargo-deny") }
 }
 
+/// Installs Debian's `names` where `program` is missing.
+pub fn require(program: &str, names: &[&str]) {
+    if find_program(program).is_none() {
+        packages(names);
+    }
+}
+
+/// Installs Debian's packages, as far as that can be done.
+pub fn packages(names: &[&str]) {
+    if find_program("apt-get").is_none() {
+        return;
+    }
+    let install = [&["install", "-y", "--no-install-recommends"], names].concat();
+    // A fresh container has no package lists; a desk machine has, and is spared the wait.
+    if apt_get(&install).is_err() && apt_get(&["update"]).is_ok() {
+        let _ = apt_get(&install); // whoever asked looks whether it is there
+    }
+}
+
 fn install_packages(skipped: &mut Vec<String>) {
     let missing = || TOOLS.iter().filter(|tool| !(tool.is_present)());
     let packages: Vec<&str> = missing().flat_map(|tool| tool.packages).copied().collect();
-    if !packages.is_empty() && find_program("apt-get").is_some() {
-        let install = [&["install", "-y", "--no-install-recommends"], packages.as_slice()].concat();
-        // A fresh container has no package lists; a desk machine has, and is spared the wait.
-        if apt_get(&install).is_err() && apt_get(&["update"]).is_ok() {
-            let _ = apt_get(&install); // what is still missing is listed below
-        }
+    if !packages.is_empty() {
+        self::packages(&packages); // what is still missing is listed below
     }
     skipped.extend(missing().map(|tool| {
         let packages = tool.packages.join(" ");

@@ -4,6 +4,9 @@ mod aarch64;
 mod android;
 mod arguments;
 mod bindings;
+mod elf;
+mod firmware;
+mod firmware_toolchain;
 mod fuzz;
 mod install;
 mod kotlin;
@@ -35,12 +38,16 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let report = stages::run(&Workspace::open(), &arguments);
+    let workspace = Workspace::open();
+    let report = stages::run(&workspace, &arguments);
     // Figures have standard output to themselves.
     if arguments.json {
         eprint!("\n{report}")
     } else {
         print!("\n{report}")
+    }
+    if arguments.only == ["firmware"] {
+        print!("{}", firmware::result(&workspace).unwrap_or_default());
     }
     if report.n_failed() > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }

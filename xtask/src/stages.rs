@@ -6,7 +6,7 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, android, bindings, fuzz, install, kotlin, python, swift, tidy, xcframework};
+use crate::{aarch64, android, bindings, firmware, fuzz, install, kotlin, python, swift, tidy, xcframework};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -30,6 +30,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "swift", quick: false, run: |workspace, _| swift::run(workspace) },
     Stage { name: "python", quick: false, run: |workspace, _| python::run(workspace) },
     Stage { name: "android", quick: false, run: android::run },
+    Stage { name: "firmware", quick: false, run: |workspace, _| firmware::run(workspace) },
     Stage {
         name: "fuzz",
         quick: false,
@@ -76,12 +77,10 @@ fn format(workspace: &Workspace) -> Outcome {
         return Outcome::skipped("rustfmt is missing: rustup component add rustfmt");
     }
     let own = execute(&mut workspace.cargo("fmt --all --check"));
-    let fuzz = if workspace.root.join("fuzz/Cargo.toml").exists() {
-        execute(&mut workspace.cargo("fmt --manifest-path fuzz/Cargo.toml --check"))
-    } else {
-        Ok(())
-    };
-    Outcome::new([own, fuzz].into_iter().filter_map(Result::err).collect(), Vec::new())
+    let others = ["fuzz", "firmware/nrf52832", "firmware/qemu"].map(|folder| {
+        execute(&mut workspace.cargo(&format!("fmt --manifest-path {folder}/Cargo.toml --check")))
+    });
+    Outcome::new([own].into_iter().chain(others).filter_map(Result::err).collect(), Vec::new())
 }
 
 fn clippy(workspace: &Workspace) -> Outcome {

@@ -1,6 +1,6 @@
 //! Kwak 2018: its card, its access points, its office.
 
-mod office;
+pub(crate) mod office;
 mod signals;
 mod time;
 mod walks;

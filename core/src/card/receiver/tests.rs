@@ -156,7 +156,7 @@ fn arrivals(seed: u64, n_rounds: i64) -> Vec<(i64, Timestamp)> {
 #[test]
 fn no_round_is_ever_in_the_wrong_place() {
     let (mut n_frames, mut n_heard, mut n_distinct) = (0, 0u64, 0);
-    for seed in 0..60 {
+    for seed in 0..160 {
         let mut receiver = CardReceiver::default();
         let arrivals = arrivals(seed, 4_000);
         let (mut last, mut n_between) = (None::<StepEvent>, 0);
@@ -195,8 +195,81 @@ fn no_round_is_ever_in_the_wrong_place() {
     }
     // And nearly all that arrived in time are used.
     assert!(
-        n_frames > 300_000 && n_heard * 100 > n_distinct * 98,
+        n_frames > 1_000_000 && n_heard * 100 > n_distinct * 98,
         "{n_heard} of {n_distinct}, {n_frames} frames"
+    );
+}
+
+/// Which frame a card sends in each of `n_rounds`, if any: `(sequence, has just woken)`. It is reset now and then, sleeps, and
+/// has its battery changed.
+fn sent(seed: u64, n_rounds: i64) -> Vec<Option<(u8, bool)>> {
+    let mut rng = crate::random::CounterRng::new(seed, 2);
+    let mut next = |n: u32| rand::Rng::next_u32(&mut rng) % n;
+    let (mut sequence, mut just_woke, mut silent_until) = (0u8, true, 0);
+    (0..n_rounds)
+        .map(|k| {
+            if k >= silent_until && next(150) == 0 {
+                just_woke = true;
+                silent_until = k + i64::from(match next(3) {
+                    // A watchdog's reset; a sleep; another battery, which nobody changes within ten seconds.
+                    0 => next(3),
+                    1 => 1 + next(600),
+                    _ => 12 + next(300),
+                });
+                let is_forgotten = silent_until - k >= 12 && next(2) == 0;
+                sequence =
+                    if is_forgotten { 0 } else { sequence.wrapping_add(fieldwalk_card::DISCONTINUITY) };
+            }
+            if k < silent_until {
+                return None;
+            }
+            let frame = (sequence, core::mem::take(&mut just_woke));
+            sequence = sequence.wrapping_add(1);
+            Some(frame)
+        })
+        .collect()
+}
+
+#[test]
+fn no_reset_or_sleep_puts_a_round_in_the_wrong_place() {
+    let (mut n_frames, mut n_followed, mut n_begun) = (0, 0, 0);
+    for seed in 0..220 {
+        let mut receiver = CardReceiver::default();
+        let sent = sent(seed, 6_000);
+        let (mut last, mut n_between) = (None::<i64>, 0);
+        for (k, time) in arrivals(seed, 6_000) {
+            let Some((sequence, just_woke)) = sent[k as usize] else { continue };
+            n_frames += 1;
+            let mut bytes = frame_of(k, CardFlags { just_woke, ..CardFlags::default() });
+            bytes[9] = sequence;
+            receiver.push(time, &bytes);
+            while let Some(event) = receiver.pop() {
+                let Some(heard) = number(&event) else {
+                    n_between += 1;
+                    continue;
+                };
+                assert_eq!(heard, k, "a round of another frame");
+                let off_s = event.cycle.end.secs_since(at(k));
+                assert!((0.0..2.6).contains(&off_s), "round {k} placed {off_s} s off");
+                if event.cycle.is_first {
+                    n_begun += 1;
+                } else {
+                    n_followed += 1;
+                    let before = last.expect("a round before");
+                    assert_eq!(heard - before - 1, n_between, "seed {seed}, round {k} after {before}");
+                    let is_whole = (before..=k).all(|between| sent[between as usize].is_some());
+                    let has_woken =
+                        (before + 1..=k).any(|between| sent[between as usize].is_some_and(|(_, woke)| woke));
+                    assert!(is_whole && !has_woken, "seed {seed}: {before} and {k} are of two lives");
+                }
+                last = Some(heard);
+                n_between = 0;
+            }
+        }
+    }
+    assert!(
+        n_frames > 1_000_000 && n_followed > 300_000 && n_begun > 2_000,
+        "{n_frames} {n_followed} {n_begun}"
     );
 }
 
