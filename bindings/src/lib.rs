@@ -57,6 +57,9 @@ pub use status::{BatchFaults, Rejections, Status};
 pub use surveyed_floor::{CoverageTotals, ExpectedAccuracy, ScoredPlace, SurveyedFloor};
 pub use surveyor::{SurveyCoverage, SurveyStatus, Surveyor, WalkReport};
 
+#[cfg(feature = "unwinder")]
+extern crate unwinding as _;
+
 uniffi::setup_scaffolding!();
 
 /// The version of this library, such as `0.1.0`.

@@ -2,8 +2,10 @@
 //! follows from them.
 
 mod cluster;
+mod density;
 
 pub use cluster::{BeaconCluster, find_clusters, packing_density};
+pub(crate) use density::{ASTRAY_M, FixDensity, contradict};
 
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +24,8 @@ const MAX_HEADING_SD_RAD: f64 = 1.0;
 /// A direction is never more certain than this, in radians: nobody walks straight.
 const MIN_HEADING_SD_RAD: f64 = 0.1;
 
+/// So many fixes in a row outvote particles that contradict them.
+const MAX_CONTRADICTED: u32 = 6;
 /// Opinions farther apart than this contradict each other, in standard deviations of their difference.
 const CONTRADICTION_SD: f64 = 3.0;
 
@@ -44,6 +48,10 @@ pub struct BeaconModeParams {
     /// Whether the direction that was known before a visit counts with that of the visit's fixes, each by its variance. The
     /// paper forgets it.
     pub keeps_direction: bool,
+    /// The share of a fix's likelihood that weighs particles which know their place, above 0 and at most 1. Rounds of one
+    /// visit hear the same shadows, so that their fixes are off alike and each counts for less than it says. Without, every
+    /// fix places all particles anew, as the paper has it.
+    pub fix_share: Option<f64>,
     /// Whether positioning pauses while the phone is in a pocket or shaken, and begins anew after.
     pub pauses: bool,
 }
@@ -58,6 +66,7 @@ impl Default for BeaconModeParams {
             trilateration: TrilaterationParams::default(),
             n_heading_fixes: 8,
             keeps_direction: true,
+            fix_share: Some(0.25),
             pauses: true,
         }
     }
@@ -69,6 +78,9 @@ pub struct BeaconVisit {
     /// The cluster, by its index; nothing outside all.
     cluster: Option<u32>,
     n_outside: u32,
+    /// Fixes in a row that the particles contradict.
+    #[serde(default)]
+    n_contradicted: u32,
     /// The places found, newest first.
     fixes: [Option<VisitFix>; MAX_FIXES],
     /// The direction when it began: walking direction minus level heading, and its standard deviation, in radians.
@@ -124,6 +136,13 @@ impl BeaconVisit {
     /// Whether a cluster is believed to be near.
     pub fn is_inside(&self) -> bool {
         self.cluster.is_some()
+    }
+
+    /// Counts a fix that agrees with the particles or contradicts them; true when so many in a row did that the fixes are to
+    /// be believed instead.
+    pub(crate) fn contradicts(&mut self, is_contradicted: bool) -> bool {
+        self.n_contradicted = if is_contradicted { self.n_contradicted + 1 } else { 0 };
+        self.n_contradicted >= MAX_CONTRADICTED
     }
 
     /// Forgets the visit.

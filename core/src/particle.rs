@@ -65,6 +65,10 @@ pub struct Particles {
     pub polar_errors_rad: Vec<f32>,
     /// What the map said along the particle's way, in µT: a block of the history's length, plane by plane.
     pub history_ut: Vec<f32>,
+    /// `Σ e` and `Σ e²` for each component of the history, with `e` what the map said less what was read, in µT and µT²:
+    /// of the reads whose components are known, in blocks of two a component.
+    #[serde(default)]
+    pub history_sums: Vec<f32>,
     /// What the history added to the log weight at the last round.
     pub history_log_weight: Vec<f32>,
     /// Rounds in a row that the particle has been far from the matched radio fingerprint.
@@ -103,6 +107,8 @@ pub(crate) enum Part {
     History,
     /// The weight by histories: as many values a particle as its history has.
     HistoryWindow,
+    /// Histories that are compared read by read: two sums a component.
+    HistorySums,
     /// The filter of a start by radio fingerprints.
     BleFilter,
     /// The three factors: as many values a particle as their window has steps.
@@ -132,6 +138,7 @@ macro_rules! arrays {
             azimuth_errors_rad: FieldDirectionWindow,
             polar_errors_rad: FieldDirectionWindow,
             history_ut: HistoryWindow,
+            history_sums: HistorySums,
             history_log_weight: History,
             n_rounds_outside: BleFilter,
             recent_strengths_ut: ThreeFactorsWindow,
@@ -183,15 +190,20 @@ impl Particles {
         arrays!(self).into_iter()
     }
 
-    /// Makes particle `child` a copy of `parent` in all that it remembers.
-    pub(crate) fn inherit(&mut self, child: usize, parent: usize) {
-        let n = self.len();
-        if child >= n || parent >= n {
-            return;
-        }
+    /// Makes of each pair the first particle a copy of the second in all that they remember, array by array; who is copied
+    /// is no pair's first.
+    pub(crate) fn inherit(&mut self, pairs: impl Iterator<Item = [u32; 2]> + Clone) {
+        let n = self.len().max(1);
         for (_, array) in self.arrays_mut() {
             let block = array.len() / n;
-            array.copy_within(parent * block..(parent + 1) * block, child * block);
+            if block == 0 {
+                continue;
+            }
+            for [child, parent] in pairs.clone().map(|pair| pair.map(|i| i as usize * block)) {
+                if child.max(parent) + block <= array.len() {
+                    array.copy_within(parent..parent + block, child);
+                }
+            }
         }
     }
 }
@@ -209,11 +221,11 @@ mod tests {
             log_weight: vec![-1.0, -2.0, -3.0],
             ..Particles::default()
         };
-        particles.inherit(0, 2);
+        particles.inherit([[0, 2]].into_iter());
         assert_eq!(particles.x_m, [2.0, 1.0, 2.0]);
         assert_eq!(particles.delta_errors_ut, [6.0, 7.0, 8.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
         assert_eq!(particles.log_weight, [-3.0, -2.0, -3.0]);
-        particles.inherit(1, 3);
+        particles.inherit([[1, 3]].into_iter());
         assert_eq!(particles.x_m[1], 1.0);
     }
 }

@@ -211,9 +211,9 @@ impl Tracker {
             MagneticRule::MassCentered(params) => (params.window.max(1), params.direction.is_some()),
             _ => (0, false),
         };
-        let (n_values, n_slots) = match self.recipe.magnetic {
-            MagneticRule::History(params) => (params.n_values(), params.n_slots()),
-            _ => (0, 0),
+        let (n_values, n_sums, n_slots) = match self.recipe.magnetic {
+            MagneticRule::History(params) => (params.n_values(), params.n_sums(), params.n_slots()),
+            _ => (0, 0, 0),
         };
         let factors_window = match self.recipe.magnetic {
             MagneticRule::ThreeFactors(params) => params.n_steps(),
@@ -237,6 +237,7 @@ impl Tracker {
             }
             Part::History => usize::from(n_values > 0),
             Part::HistoryWindow => n_values,
+            Part::HistorySums => n_sums,
             Part::BleFilter => usize::from(self.recipe.ble_filter.is_some()),
             Part::ThreeFactorsWindow => factors_window,
         };

@@ -13,9 +13,10 @@ cargo xtask swift                                          Swift's, compiled and
 cargo xtask python                                         Python's, as a wheel, installed and tested
 cargo xtask xcframework                                    the engine for iOS, for ios/
 cargo xtask bench-jvm                                      what pushing samples costs on the JVM, as tables
+cargo xtask android [--json]                               the engine for phones, the AAR and its tests; or sizes alone
 
-stages: install format tidy clippy docs deny test bindings kotlin swift python fuzz aarch64
---quick leaves out install, deny, bindings, kotlin, swift, python, fuzz and aarch64.
+stages: install format tidy clippy docs deny test bindings kotlin swift python android fuzz aarch64
+--quick leaves out install, deny, bindings, kotlin, swift, python, android, fuzz and aarch64.
 FIELDWALK_DATA=FOLDER       where recordings are; without it the tests that need them are skipped
 FIELDWALK_REQUIRE_DATA=1    a missing recording fails instead
 FIELDWALK_SWIFT_ROOT=FOLDER where Debian's Swift is unpacked, when no Swift is installed; in the cache by default
@@ -30,6 +31,8 @@ pub struct Arguments {
     pub only: Vec<String>,
     /// Time for each fuzz target.
     pub fuzz_seconds: u32,
+    /// Print figures alone, a JSON object a line.
+    pub json: bool,
 }
 
 impl Arguments {
@@ -39,11 +42,11 @@ impl Arguments {
     /// A sentence for the user when a command, an option, a stage or a number is unknown.
     pub fn parse(words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
         let mut words = words;
-        let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 60 };
+        let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 60, json: false };
         match words.next().as_deref() {
             Some("test") => {}
             Some(
-                stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python"
+                stage @ ("fuzz" | "tidy" | "aarch64" | "bindings" | "kotlin" | "swift" | "python" | "android"
                 | "bench-jvm" | "xcframework"),
             ) => arguments.only.push(stage.to_owned()),
             None | Some("help" | "--help" | "-h") => return Ok(None),
@@ -52,6 +55,7 @@ impl Arguments {
         while let Some(word) = words.next() {
             match word.as_str() {
                 "--quick" => arguments.quick = true,
+                "--json" if arguments.only == ["android"] => arguments.json = true,
                 "--only" => {
                     let stage = words.next().ok_or("--only needs a stage")?;
                     if !STAGES.iter().any(|known| known.name == stage) {
@@ -89,12 +93,15 @@ mod tests {
         assert_eq!((fuzz.only, fuzz.fuzz_seconds), (vec!["fuzz".to_owned()], 5));
         let test = parse("test --quick --only docs --only deny").unwrap().unwrap();
         assert!(test.quick);
+        assert!(parse("android --json").unwrap().unwrap().json);
         assert_eq!(test.only, ["docs", "deny"]);
     }
 
     #[test]
     fn unknown_words_are_refused() {
-        for line in ["tset", "test --quik", "test --only nothing", "fuzz --seconds 0", "test --only"] {
+        for line in
+            ["tset", "test --quik", "test --only nothing", "fuzz --seconds 0", "test --only", "fuzz --json"]
+        {
             assert!(parse(line).is_err(), "{line}");
         }
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::aarch64::{self, TARGET};
+use crate::android;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::Outcome;
 use crate::swift_toolchain;
@@ -54,15 +55,21 @@ const TOOLS: &[Tool] = &[
     },
     Tool {
         name: "a JDK",
-        purpose: "stage kotlin",
+        purpose: "stages kotlin and android",
         is_present: kotlin::has_jdk,
         packages: &["default-jdk-headless"],
     },
     Tool {
         name: "Maven",
-        purpose: "stage kotlin",
+        purpose: "stages kotlin and android",
         is_present: || find_program("mvn").is_some(),
         packages: &["maven"],
+    },
+    Tool {
+        name: "an NDK, or LLVM and Rust's sources",
+        purpose: "the engine for phones, stage android",
+        is_present: || android::Toolchain::find().is_some(),
+        packages: &["clang-22", "lld-22", "llvm-22", "rustc-web", "cargo-web", "rust-web-src"],
     },
     Tool {
         name: "debootstrap",

@@ -86,7 +86,7 @@ fn maven(workspace: &Workspace, name: &str, library: &Path, chosen: &[String]) -
     let log = folder.join(format!("maven-{name}.log"));
     let Err(reason) = run_into(&mut test, &log) else { return Maven::Ran(walk) };
     let text = fs::read_to_string(&log).unwrap_or_default();
-    if OFFLINE.iter().any(|sign| text.contains(sign)) {
+    if is_offline(&text) {
         return Maven::Not(Outcome::skipped(format!(
             "Maven cannot fetch what the Kotlin tests need; with a network: cargo xtask test --only kotlin ({})",
             log.display()
@@ -94,6 +94,11 @@ fn maven(workspace: &Workspace, name: &str, library: &Path, chosen: &[String]) -
     }
     eprintln!("{text}");
     failed(reason)
+}
+
+/// Whether Maven's output says that a repository was out of reach.
+pub fn is_offline(log: &str) -> bool {
+    OFFLINE.iter().any(|sign| log.contains(sign))
 }
 
 /// Whether there is a compiler for Java; Kotlin's needs the same libraries.

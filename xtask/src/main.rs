@@ -1,6 +1,7 @@
 //! `cargo xtask …`: the checks of this workspace, the same for people and for continuous integration.
 
 mod aarch64;
+mod android;
 mod arguments;
 mod bindings;
 mod fuzz;
@@ -35,6 +36,11 @@ fn main() -> ExitCode {
         }
     };
     let report = stages::run(&Workspace::open(), &arguments);
-    print!("\n{report}");
+    // Figures have standard output to themselves.
+    if arguments.json {
+        eprint!("\n{report}")
+    } else {
+        print!("\n{report}")
+    }
     if report.n_failed() > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }

@@ -6,7 +6,7 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, bindings, fuzz, install, kotlin, python, swift, tidy, xcframework};
+use crate::{aarch64, android, bindings, fuzz, install, kotlin, python, swift, tidy, xcframework};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -29,6 +29,7 @@ pub const STAGES: &[Stage] = &[
     Stage { name: "kotlin", quick: false, run: |workspace, _| kotlin::run(workspace) },
     Stage { name: "swift", quick: false, run: |workspace, _| swift::run(workspace) },
     Stage { name: "python", quick: false, run: |workspace, _| python::run(workspace) },
+    Stage { name: "android", quick: false, run: android::run },
     Stage {
         name: "fuzz",
         quick: false,

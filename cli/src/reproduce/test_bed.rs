@@ -5,7 +5,9 @@
 //! reason. Systems run as their recipes say, and know nothing of this.
 
 use fieldwalk::geometry::Point2;
+use fieldwalk::observation::history::HistoryFeature;
 use fieldwalk::random::CounterRng;
+use fieldwalk::system::{MagneticRule, Recipe};
 use fieldwalk_sim::building::{Aisle, Building, GridBuilding};
 use fieldwalk_sim::magnetic_field::SteelParams;
 use fieldwalk_sim::phone::{PhoneModel, SensorModel};
@@ -93,6 +95,26 @@ pub fn mass_centered_phones() -> [(&'static str, PhoneModel); 4] {
     ]
 }
 
+/// Magicol as a paper that was measured against it describes it: our `dtw` over the strengths of the last `n_values` reads,
+/// `reads_a_move` of each step. σ is that of `dtw` for so many values.
+///
+/// # Source
+/// iBILL 2017, §V-B: "observing vectors and particle vectors all consist of the last 5 magnetic strength values".
+/// Mass-centred 2019, the text about Fig. 28: a step costs N·M² at M Hz, so that what is warped is one step's reads; of
+/// these our steps keep three.
+pub fn magicol(n_values: usize, reads_a_move: u8) -> Recipe {
+    let mut recipe = Recipe::dtw();
+    if let MagneticRule::History(params) = &mut recipe.magnetic {
+        // Of a full history of `dtw`, two values a read.
+        let n_usual = 2.0 * params.window as f32;
+        params.feature = HistoryFeature::Strength;
+        params.window = n_values;
+        params.reads_a_move = reads_a_move;
+        params.sigma_ut *= (n_values as f32 / n_usual).sqrt();
+    }
+    Recipe { name: "magicol".into(), ..recipe }
+}
+
 /// The hall of iBILL 2017 with a cluster of three beacons 4 m apart at either end, at the height of a phone held level.
 ///
 /// # Source
@@ -130,6 +152,10 @@ pub const IBILL_HEIGHTS_M: [f64; 5] = [1.57, 1.65, 1.73, 1.82, 1.95];
 /// # Source
 /// Extent and rooms are the paper's, its walls ours: [`Building::card_office`]. The frame is that of the other office
 /// among the test beds: Kwak 2018, Fig. 13, shows a compass that is off by tens of degrees.
+///
+/// In the open rooms it bends the compass little: that is within 45° of the truth for 99 % of the time. In a trial with
+/// corridors 2 m wide between closed rooms (24 offices) it was so for 96 %, errors were smaller (0.86 m on average), and the
+/// motion model won nothing (−0.01 ± 0.08 m); with frames three times as strong it was so for 66 %, and it won 2.3 m.
 pub fn kwak_office(seed: u64) -> Scenario {
     let building = Building::card_office();
     let radio = RadioScene::corners(&building, seed);

@@ -155,6 +155,13 @@ impl FloorIndex {
         (!value.is_nan()).then_some(value)
     }
 
+    /// Whether the nearest surveyed line is within `reach_m`, in metres; everywhere on a map that does not know its lines.
+    #[inline]
+    pub fn is_surveyed(&self, x_m: f32, y_m: f32, reach_m: f32) -> bool {
+        let distances_m = &self.map().layers.route_distance_m;
+        distances_m.is_empty() || self.nearest(distances_m, x_m, y_m).is_some_and(|m| m <= reach_m)
+    }
+
     /// Sine and cosine of the compass deviation at the nearest node; nothing where unknown.
     #[inline]
     pub fn deviation_sin_cos(&self, x_m: f32, y_m: f32) -> Option<[f32; 2]> {

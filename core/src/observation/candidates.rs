@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::map::FloorIndex;
-use crate::observation::strength::StrengthParams;
+use crate::observation::strength::{SURVEYED_M, StrengthParams};
 
 /// Parameters of the candidates; their number `k` is the recipe's number of particles.
 ///
@@ -45,9 +45,6 @@ pub struct Candidate {
     pub off_ut: f32,
     node: usize,
 }
-
-/// A point farther from every surveyed line than this has no measured field, in metres.
-const SURVEYED_M: f32 = 1.0;
 
 /// The `k` points found so far, the nearest in strength first; allocates nothing once it is made.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,9 @@
 //! Histories of the field: what a particle would have read along its way, compared with what was read.
 
+mod device;
 mod distance;
 
+pub use device::DeviceHistory;
 pub use distance::{dynamic_time_warping_ut, euclidean_ut};
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +12,8 @@ use crate::magnetic::feature::FieldRead;
 use crate::map::FloorIndex;
 use crate::particle::Particles;
 
-use distance::{LANES, Lanes, centred_square_ut2, remove_means, squares, warped};
+use device::Taken;
+use distance::{LANES, Lanes, off_sums, remove_means, squares, warped};
 
 /// Parameters of the weight by the distance of histories.
 ///
@@ -63,20 +66,6 @@ pub enum HistoryFeature {
     HorizontalVertical,
 }
 
-/// What the device has read lately.
-///
-/// The slots of a full history are a ring: the oldest read makes room for the newest, and the particles' reads stand in
-/// the same slots.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct DeviceHistory {
-    /// The components of the feature in each slot, a plane each; of a read of which the strength alone is known, that
-    /// and 0.
-    planes_ut: [Vec<f32>; 2],
-    is_strength_alone: Vec<bool>,
-    /// Where the next read goes once all slots are used.
-    next: usize,
-}
-
 /// Memory that one update needs and the next does not remember.
 #[derive(Clone, Debug, Default)]
 pub struct HistoryScratch {
@@ -112,86 +101,19 @@ impl HistoryParams {
         self.n_slots() * self.n_components()
     }
 
+    /// Sums that are kept of a particle's history, so that its distance need not be summed anew.
+    pub(crate) fn n_sums(&self) -> usize {
+        match self.metric {
+            HistoryMetric::Euclidean => 2 * self.n_components(),
+            HistoryMetric::DynamicTimeWarping { .. } => 0,
+        }
+    }
+
     fn n_components(&self) -> usize {
         match self.feature {
             HistoryFeature::Strength => 1,
             HistoryFeature::HorizontalVertical => 2,
         }
-    }
-}
-
-impl DeviceHistory {
-    /// Number of reads held.
-    pub fn len(&self) -> usize {
-        self.is_strength_alone.len()
-    }
-
-    /// Whether nothing has been read.
-    pub fn is_empty(&self) -> bool {
-        self.is_strength_alone.is_empty()
-    }
-
-    /// Forgets everything, with room for a history of `params`.
-    pub(crate) fn start_anew(&mut self, params: &HistoryParams) {
-        for plane in &mut self.planes_ut {
-            plane.clear();
-            plane.reserve_exact(params.n_slots());
-        }
-        self.is_strength_alone.clear();
-        self.is_strength_alone.reserve_exact(params.n_slots());
-        self.next = 0;
-    }
-
-    /// Whether this is a history of `n_slots` at most: a torn snapshot's is not.
-    pub(crate) fn fits(&self, n_slots: usize) -> bool {
-        let n = self.len();
-        n <= n_slots && self.next <= n && self.planes_ut.iter().all(|plane| plane.len() == n)
-    }
-
-    /// Takes a read in and tells its slot; nothing when it holds no number that is compared.
-    fn push(&mut self, params: &HistoryParams, read: &FieldRead) -> Option<usize> {
-        let (read_ut, is_strength_alone) = match (params.feature, read.horizontal_vertical_ut) {
-            (HistoryFeature::Strength, _) => ([read.strength_ut, 0.0], false),
-            (HistoryFeature::HorizontalVertical, None) => ([read.strength_ut, 0.0], true),
-            (HistoryFeature::HorizontalVertical, Some(read_ut)) => (read_ut, false),
-        };
-        if !read_ut.iter().all(|component_ut| component_ut.is_finite()) {
-            return None;
-        }
-        let n = self.len();
-        if n < params.n_slots() {
-            for (plane, component_ut) in self.planes_ut.iter_mut().zip(read_ut) {
-                plane.push(component_ut);
-            }
-            self.is_strength_alone.push(is_strength_alone);
-            return Some(n);
-        }
-        let slot = self.next;
-        for (plane, component_ut) in self.planes_ut.iter_mut().zip(read_ut) {
-            *plane.get_mut(slot)? = component_ut;
-        }
-        *self.is_strength_alone.get_mut(slot)? = is_strength_alone;
-        self.next = (slot + 1) % n;
-        Some(slot)
-    }
-
-    /// The slots from the oldest to the newest.
-    fn order(&self) -> impl Iterator<Item = usize> + '_ {
-        let n = self.len();
-        (0..n).map(move |k| (self.next + k) % n)
-    }
-
-    fn has_strength_alone(&self) -> bool {
-        self.is_strength_alone.contains(&true)
-    }
-
-    fn read_ut(&self, slot: usize) -> [f32; 2] {
-        [self.planes_ut[0][slot], self.planes_ut[1][slot]]
-    }
-
-    fn strength_ut(&self, slot: usize) -> f32 {
-        let read_ut = self.read_ut(slot);
-        if self.is_strength_alone[slot] { read_ut[0] } else { strength_ut(read_ut) }
     }
 }
 
@@ -221,9 +143,12 @@ pub fn update(
     let single = [mean(reads)];
     let (reads, n_thirds): (&[_], _) = if params.reads_a_move <= 1 { (&single, 1) } else { (reads, 3) };
     for (k, read) in reads.iter().enumerate() {
-        let Some(slot) = read.as_ref().and_then(|read| device.push(params, read)) else { continue };
+        let Some(taken) = read.as_ref().and_then(|read| device.push(params, read)) else { continue };
         let share = (2 * k + 1) as f32 / (2 * n_thirds) as f32;
-        remember(params, floor, slot, share, from_m, particles);
+        remember(params, floor, &taken, share, from_m, particles);
+        if params.n_sums() > 0 && taken.slot + 1 == params.n_slots() {
+            sum_anew(params, device, particles);
+        }
     }
     if device.is_empty() {
         return;
@@ -236,11 +161,14 @@ pub fn update(
     let n_values = params.n_values();
     match params.metric {
         HistoryMetric::Euclidean => {
-            let is_mixed = device.has_strength_alone();
-            let square_ut2 = if is_mixed { mixed_square_ut2 } else { euclidean_square_ut2 };
+            let (n_sums, is_mixed) = (params.n_sums(), device.has_strength_alone());
             for i in 0..particles.len() {
-                let history_ut = &particles.history_ut[i * n_values..(i + 1) * n_values];
-                weigh(i, square_ut2(params, device, history_ut), particles);
+                let square_ut2 = if is_mixed {
+                    mixed_square_ut2(params, device, &particles.history_ut[i * n_values..(i + 1) * n_values])
+                } else {
+                    centred_square_ut2(&particles.history_sums[i * n_sums..(i + 1) * n_sums], device.len())
+                };
+                weigh(i, square_ut2, particles);
             }
         }
         HistoryMetric::DynamicTimeWarping { band } => {
@@ -260,6 +188,7 @@ pub fn update(
 /// Starts all histories anew, and takes back what they weighed.
 pub fn forget(params: &HistoryParams, device: &mut DeviceHistory, particles: &mut Particles) {
     device.start_anew(params);
+    particles.history_sums.fill(0.0);
     for (log_weight, of_history) in particles.log_weight.iter_mut().zip(&mut particles.history_log_weight) {
         *log_weight -= core::mem::take(of_history);
     }
@@ -278,38 +207,62 @@ fn mean(reads: &[Option<FieldRead>; 3]) -> Option<FieldRead> {
     })
 }
 
-/// Writes what the map says at `share` of each particle's move into its history's `slot`.
+/// Writes what the map says at `share` of each particle's move into its history's slot, and keeps its sums.
 fn remember(
     params: &HistoryParams,
     floor: &FloorIndex,
-    slot: usize,
+    taken: &Taken,
     share: f32,
     [from_x_m, from_y_m]: [&[f32]; 2],
     particles: &mut Particles,
 ) {
-    let (n_slots, n_values) = (params.n_slots(), params.n_values());
-    let histories = particles.history_ut.chunks_exact_mut(n_values);
-    let to = particles.x_m.iter().zip(&particles.y_m);
-    for ((history, (&x_m, &y_m)), (&from_x_m, &from_y_m)) in
-        histories.zip(to).zip(from_x_m.iter().zip(from_y_m))
-    {
+    let (n_slots, n_values, n_sums) = (params.n_slots(), params.n_values(), params.n_sums());
+    for i in 0..particles.x_m.len() {
+        let ([x_m, y_m], [from_x_m, from_y_m]) =
+            ([particles.x_m[i], particles.y_m[i]], [from_x_m[i], from_y_m[i]]);
         let [strength_ut, horizontal_ut, vertical_ut] =
             floor.read_or_mean(from_x_m + share * (x_m - from_x_m), from_y_m + share * (y_m - from_y_m));
-        match params.feature {
-            HistoryFeature::Strength => history[slot] = strength_ut,
-            HistoryFeature::HorizontalVertical => {
-                history[slot] = horizontal_ut;
-                history[n_slots + slot] = vertical_ut;
+        let said_ut = match params.feature {
+            HistoryFeature::Strength => [strength_ut, 0.0],
+            HistoryFeature::HorizontalVertical => [horizontal_ut, vertical_ut],
+        };
+        let history_ut = &mut particles.history_ut[i * n_values..(i + 1) * n_values];
+        let sums = &mut particles.history_sums[i * n_sums..(i + 1) * n_sums];
+        for (c, plane_ut) in history_ut.chunks_exact_mut(n_slots).enumerate() {
+            let forgotten_ut = core::mem::replace(&mut plane_ut[taken.slot], said_ut[c]);
+            if let Some([sum_ut, square_ut2]) =
+                sums.get_mut(2 * c..2 * c + 2).and_then(|sums| sums.first_chunk_mut())
+            {
+                let removed_ut = taken.removed_ut.map_or(0.0, |read_ut| forgotten_ut - read_ut[c]);
+                let added_ut = taken.added_ut.map_or(0.0, |read_ut| said_ut[c] - read_ut[c]);
+                *sum_ut += added_ut - removed_ut;
+                *square_ut2 += added_ut * added_ut - removed_ut * removed_ut;
             }
         }
     }
 }
 
-/// `‖d‖²` of a particle's history, planes of slots, against the device's.
-fn euclidean_square_ut2(params: &HistoryParams, device: &DeviceHistory, history_ut: &[f32]) -> f32 {
+/// Sums the histories from the beginning: what rounding has left in the sums is gone. For once a turn of the ring.
+fn sum_anew(params: &HistoryParams, device: &DeviceHistory, particles: &mut Particles) {
+    if device.has_strength_alone() {
+        // The sums are of the other reads; the next turn will do.
+        return;
+    }
     let n = device.len();
-    let planes_ut = history_ut.chunks_exact(params.n_slots());
-    planes_ut.zip(&device.planes_ut).map(|(own_ut, read_ut)| centred_square_ut2(&own_ut[..n], read_ut)).sum()
+    let histories_ut = particles.history_ut.chunks_exact(params.n_values());
+    for (history_ut, sums) in histories_ut.zip(particles.history_sums.chunks_exact_mut(params.n_sums())) {
+        let planes = history_ut.chunks_exact(params.n_slots()).zip(&device.planes_ut);
+        for ((own_ut, read_ut), sums) in planes.zip(sums.chunks_exact_mut(2)) {
+            sums.copy_from_slice(&off_sums(&own_ut[..n], read_ut));
+        }
+    }
+}
+
+/// `‖d‖²` of a history of `n` reads by its sums: `Σ e² − (Σ e)²/n` of each component.
+fn centred_square_ut2(sums: &[f32], n: usize) -> f32 {
+    let of_component = |[sum_ut, square_ut2]: &[f32; 2]| square_ut2 - sum_ut * sum_ut / n as f32;
+    // Rounding may leave less than nothing.
+    sums.as_chunks().0.iter().map(of_component).sum::<f32>().max(0.0)
 }
 
 /// The same where of some reads the strength alone is known.

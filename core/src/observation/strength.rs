@@ -22,20 +22,28 @@ impl Default for StrengthParams {
     }
 }
 
-/// A place that the map does not know is taken for one that is off by one standard deviation, as right ones are on
-/// average: neither evidence for it nor against it.
-const UNKNOWN_LOG_WEIGHT: f32 = -0.5;
+/// A point farther from every surveyed line than this has no measured field, in metres.
+pub(crate) const SURVEYED_M: f32 = 1.0;
 
 /// Adds `−(z − ‖f(x)‖)²/2σ_r²` to every particle's log weight; the factor before the exponential is the same for all.
 ///
+/// A particle where nobody measured the field dies; where no particle has a measured field the map ends, and nothing is
+/// known of any.
+///
 /// # Source
-/// Song 2014, Eq. 1.
+/// Song 2014, Eq. 1. What becomes of particles beyond the map is ours: `f(x)` is a row of the map, and there is none.
 pub fn update(params: &StrengthParams, floor: &FloorIndex, observed_ut: f32, particles: &mut Particles) {
     let strengths_ut = &floor.map().layers.strength_ut;
     let scale = 1.0 / params.sd_ut.max(1e-3);
-    let places = particles.x_m.iter().zip(&particles.y_m);
-    for ((&x_m, &y_m), log_weight) in places.zip(&mut particles.log_weight) {
-        *log_weight += floor.layer(strengths_ut, x_m, y_m).map_or(UNKNOWN_LOG_WEIGHT, |strength_ut| {
+    let measured_ut = |x_m: f32, y_m: f32| {
+        floor.layer(strengths_ut, x_m, y_m).filter(|_| floor.is_surveyed(x_m, y_m, SURVEYED_M))
+    };
+    let Particles { x_m, y_m, log_weight, .. } = particles;
+    if !x_m.iter().zip(&*y_m).any(|(&x_m, &y_m)| measured_ut(x_m, y_m).is_some()) {
+        return;
+    }
+    for ((&x_m, &y_m), log_weight) in x_m.iter().zip(&*y_m).zip(log_weight) {
+        *log_weight += measured_ut(x_m, y_m).map_or(f32::NEG_INFINITY, |strength_ut| {
             let off = (observed_ut - strength_ut) * scale;
             -0.5 * off * off
         });
@@ -62,7 +70,12 @@ mod tests {
             ..Particles::default()
         };
         update(&StrengthParams { sd_ut: 2.0 }, &floor, 44.0, &mut particles);
-        // 43 against 44: 1/8; 47 against 44: 9/8; unknown.
-        assert_eq!(particles.log_weight, [-0.125, -2.125, -0.5]);
+        // 43 against 44: 1/8; 47 against 44: 9/8; the third is beyond the map.
+        assert_eq!(particles.log_weight, [-0.125, -2.125, f32::NEG_INFINITY]);
+        // Where none is on the map, nothing is known of any.
+        particles.x_m.fill(50.0);
+        particles.log_weight = vec![0.0, -1.0, -2.0];
+        update(&StrengthParams { sd_ut: 2.0 }, &floor, 44.0, &mut particles);
+        assert_eq!(particles.log_weight, [0.0, -1.0, -2.0]);
     }
 }

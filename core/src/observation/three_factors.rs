@@ -78,10 +78,7 @@ pub fn update(
     particles: &mut Particles,
 ) {
     let layers = &floor.map().layers;
-    let is_surveyed = |x_m: f32, y_m: f32| {
-        layers.route_distance_m.is_empty()
-            || floor.nearest(&layers.route_distance_m, x_m, y_m).is_some_and(|m| m <= params.reach_m)
-    };
+    let is_surveyed = |x_m, y_m| floor.is_surveyed(x_m, y_m, params.reach_m);
     let window = params.n_steps();
     let mut has_fingerprint = false;
     let places = particles.x_m.iter().zip(&particles.y_m);

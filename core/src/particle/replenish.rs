@@ -30,12 +30,21 @@ impl Default for ReplenishParams {
 #[derive(Clone, Debug, Default)]
 pub struct ReplenishScratch {
     survivors: Vec<u32>,
+    newcomers: Vec<Newcomer>,
+}
+
+/// Who comes in whose place, from whom, and where.
+#[derive(Clone, Copy, Debug)]
+struct Newcomer {
+    child: u32,
+    parent: u32,
+    place_m: [f32; 2],
 }
 
 impl ReplenishScratch {
     /// Room for `n` particles.
     pub fn with_capacity(n: usize) -> Self {
-        Self { survivors: Vec::with_capacity(n) }
+        Self { survivors: Vec::with_capacity(n), newcomers: Vec::with_capacity(n) }
     }
 }
 
@@ -56,7 +65,7 @@ impl Particles {
     ) -> usize {
         let heaviest = weights.iter().fold(0.0f32, |best, &w| best.max(w));
         let least = (params.min_weight * heaviest).max(f32::MIN_POSITIVE);
-        let survivors = &mut scratch.survivors;
+        let ReplenishScratch { survivors, newcomers } = scratch;
         survivors.clear();
         survivors.extend((0..self.len() as u32).filter(|&i| weights[i as usize] >= least));
         if survivors.is_empty() || survivors.len() == self.len() {
@@ -70,16 +79,10 @@ impl Particles {
         });
         let top = &mut survivors[..n_top];
         top.sort_unstable();
-        let mut n_replaced = 0;
-        for child in 0..self.len() {
-            if weights[child] >= least {
-                continue;
-            }
-            let bits = draw(child as u32);
-            let parent = top[((uniform(bits[0]) * n_top as f32) as usize).min(n_top - 1)] as usize;
-            self.inherit(child, parent);
-            weights[child] = weights[parent];
-            let from_m = [self.x_m[parent], self.y_m[parent]];
+        let newcomer = |child: u32| {
+            let bits = draw(child);
+            let parent = top[((uniform(bits[0]) * n_top as f32) as usize).min(n_top - 1)];
+            let from_m = [self.x_m[parent as usize], self.y_m[parent as usize]];
             let radius_m = params.radius_m * uniform(bits[1]).sqrt();
             let (sin, cos) = libm::sincosf(core::f32::consts::TAU * uniform(bits[2]));
             // Left round and right round are as likely, else newcomers would gather on one side.
@@ -87,10 +90,17 @@ impl Particles {
             let turns = [[cos, sin], [-hand * sin, hand * cos], [-cos, -sin], [hand * sin, -hand * cos]];
             let places_m = turns.map(|[x, y]| [from_m[0] + radius_m * x, from_m[1] + radius_m * y]);
             let place_m = places_m.into_iter().find(|&to_m| may_stand(from_m, to_m)).unwrap_or(from_m);
-            [self.x_m[child], self.y_m[child]] = place_m;
-            n_replaced += 1;
+            Newcomer { child, parent, place_m }
+        };
+        let is_alive = |&i: &u32| weights[i as usize] >= least;
+        newcomers.clear();
+        newcomers.extend((0..self.len() as u32).filter(|i| !is_alive(i)).map(newcomer));
+        self.inherit(newcomers.iter().map(|newcomer| [newcomer.child, newcomer.parent]));
+        for &Newcomer { child, parent, place_m } in &*newcomers {
+            weights[child as usize] = weights[parent as usize];
+            [self.x_m[child as usize], self.y_m[child as usize]] = place_m;
         }
-        n_replaced
+        newcomers.len()
     }
 }
 

@@ -52,10 +52,11 @@ impl Recipe {
         }
     }
 
-    /// [`Recipe::ibill`] with the variances that the paper prints: 0.2 l (in m²) and π/18 (in rad²).
+    /// [`Recipe::ibill`] with the variances that the paper prints: 0.2 l (in m²) and π/18 (in rad²), and with fixes that
+    /// replace the particles.
     ///
     /// # Source
-    /// iBILL 2017, Eqs 8 and 10.
+    /// iBILL 2017, Eqs 8 and 10, Fig. 4.
     pub fn ibill_as_printed() -> Self {
         let ibill = Self::ibill();
         let heading = match ibill.motion.heading {
@@ -76,6 +77,7 @@ impl Recipe {
         Self {
             name: "ibill-as-printed".into(),
             motion: MotionParams { heading, length, ..ibill.motion },
+            beacons: ibill.beacons.map(|beacons| BeaconModeParams { fix_share: None, ..beacons }),
             ..ibill
         }
     }

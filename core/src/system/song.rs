@@ -30,18 +30,18 @@ impl Recipe {
         }
     }
 
-    /// The surveyed point of the most similar strength within five metres of where the steps from the start lead;
+    /// The surveyed point of the most similar strength in a circle five metres across, where the steps from the start lead;
     /// standing or walking.
     ///
     /// # Source
-    /// Song 2014, §4: the nearest-neighbour baseline.
+    /// Song 2014, §4: the nearest-neighbour baseline, and its range of five metres.
     pub fn nearest() -> Self {
         Self {
             name: "nearest".into(),
             front_end: FrontEndRule::StandingPhone,
             magnetic: MagneticRule::Candidates(CandidateParams {
                 strength: StrengthParams::default(),
-                radius_m: 5.0,
+                radius_m: 2.5,
                 reach_sd_m: None,
             }),
             accuracy: AccuracyParams { scale: 1.0, floor_m: 3.0, tail: 1.5 },

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::beacon_mode::{BeaconFix, BeaconRound, RoundOutcome};
+use crate::beacon_mode::{ASTRAY_M, BeaconFix, BeaconRound, FixDensity, RoundOutcome, contradict};
 use crate::geometry::Point2;
 use crate::observation::history;
-use crate::particle::Centre;
+use crate::particle::{Centre, Particles};
 use crate::pedestrian::StepEvent;
 use crate::radio::RadioObservation;
 use crate::radio::range::Range;
-use crate::radio::trilateration::trilaterate;
+use crate::radio::trilateration::{TrilateratedPlace, trilaterate};
 use crate::random::{Purpose, draw, uniform};
 use crate::system::{MagneticRule, StartRule};
 use crate::time::Timestamp;
@@ -70,11 +70,13 @@ impl Tracker {
 
     /// Consumes what radio was heard in the second before `now`, the strongest first; true when the fix may have changed.
     ///
-    /// Inside a cluster of beacons every round places the particles anew, at the fix of the ranges and in the direction that
-    /// the last fixes make, or in `N_d` directions. Steps move them from there: that is what a walker does who leaves.
+    /// Inside a cluster of beacons the fix of the ranges weighs particles that know their place. Others it places anew, in
+    /// the direction that the last fixes make, or in `N_d` directions, and so does every fix as the paper has it. Steps move
+    /// them from there: that is what a walker does who leaves.
     ///
     /// # Source
-    /// iBILL 2017, Fig. 4, §IV-A and §IV-C.
+    /// iBILL 2017, Fig. 4, §IV-A and §IV-C. There a fix replaces the particles, being good to half a metre; among furniture
+    /// and beside bodies it is good to two or three, and the particles may know better.
     pub fn hear(&mut self, now: Timestamp, radio: &[RadioObservation]) -> bool {
         let Some(params) = self.recipe.beacons else { return self.match_fingerprint(now, radio) };
         if matches!(self.state.pause, Pause::Paused { .. }) {
@@ -87,7 +89,9 @@ impl Tracker {
         match visit.hear(&params, &self.clusters, transmitters, &round, ranges) {
             RoundOutcome::Inside(None) => false,
             RoundOutcome::Inside(Some(fix)) => {
-                self.begin_at_fix(&fix);
+                if !params.fix_share.is_some_and(|share| self.weigh_by_fix(share, &fix)) {
+                    self.begin_at_fix(&fix);
+                }
                 true
             }
             RoundOutcome::Outside => {
@@ -142,6 +146,37 @@ impl Tracker {
         // The standard deviation of a wrapped normal distribution; not a number where there are no offsets.
         let sd_rad = (-2.0 * libm::log(resultant.min(1.0))).max(0.0).sqrt();
         (resultant > 0.5).then(|| [libm::atan2(sin, cos), sd_rad.max(MIN_OFFSET_SD_RAD)])
+    }
+
+    /// Weighs the particles by `share` of the likelihood of `fix`; false when they know no place, when it is out of the
+    /// fix's reach, or when fixes contradict them again and again.
+    fn weigh_by_fix(&mut self, share: f64, fix: &BeaconFix) -> bool {
+        let knows_place =
+            self.state.is_placed && !self.state.is_start_unknown && self.state.pause == Pause::Running;
+        let Some(estimate) = self.state.estimate.filter(|_| knows_place) else { return false };
+        let TrilateratedPlace { point, covariance_m2, .. } = fix.place;
+        let [xx, xy, yy] = covariance_m2;
+        let [[cloud_xx, cloud_xy], [_, cloud_yy]] = estimate.covariance_m2;
+        let off = Point2::new(estimate.x_m, estimate.y_m) - point;
+        let is_contradicted = contradict(off, [xx + cloud_xx, xy + cloud_xy, yy + cloud_yy]);
+        let is_out_of_reach = off.norm_m() > ASTRAY_M + estimate.radius_95_m;
+        if self.state.visit.contradicts(is_contradicted) || is_out_of_reach {
+            return false;
+        }
+        let density = FixDensity::new(covariance_m2);
+        let Particles { x_m, y_m, heading_offset_rad, log_weight, .. } = &mut self.state.particles;
+        for (i, log_weight) in log_weight.iter_mut().enumerate() {
+            let offset_rad = heading_offset_rad.get(i).copied().map(f64::from);
+            let since = offset_rad.map_or(Point2::default(), |rad| fix.since.turned(rad));
+            let place = Point2::new(f64::from(x_m[i]), f64::from(y_m[i]));
+            *log_weight += (share * density.log_at(place - since - point)) as f32;
+        }
+        self.weigh_alike();
+        if !self.weigh() {
+            return false;
+        }
+        self.estimate_cloud(Centre::Mean);
+        true
     }
 
     fn begin_at_fix(&mut self, fix: &BeaconFix) {

@@ -78,6 +78,7 @@ impl Tracker {
             }
             MagneticRule::History(params) => {
                 particles.history_ut = vec![0.0; n * params.n_values()];
+                particles.history_sums = vec![0.0; n * params.n_sums()];
                 particles.history_log_weight = vec![0.0; n];
                 self.state.history.start_anew(params);
             }

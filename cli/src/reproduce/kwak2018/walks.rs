@@ -17,8 +17,9 @@ use crate::reproduce::test_bed::KWAK_PACES;
 use crate::reproduce::{Estimate, Finding, Findings, Picture, Run};
 use crate::simulated::test_walk;
 
-/// Offices, each with its own steel, walks and cards.
-const N_SEEDS: u64 = 12;
+/// Offices, each with its own steel, walks and cards: so many that a tenth of a metre between two systems is seen, where
+/// offices differ in it by 0.2 m.
+const N_SEEDS: u64 = 48;
 /// Errors count from this second on, when the start's filter ends; convergence counts from the first.
 const SETTLED_S: usize = 10;
 /// Walks that the warping of 3000 particles is run on: it is dear. The first trajectory at two speeds, and another.
@@ -221,7 +222,9 @@ pub fn run(run: &Run) -> Findings {
         .with_picture(Picture::of(
             format!(
                 "{n} offices of 20.5 × 16 m, seven trajectories, eleven walks each; from the tenth second on. DTW3000 on \
-                 three of the walks."
+                 three of the walks. The heading is within 45° of the truth for {:.0} % of the time, the compass alone for \
+                 {compass:.0} %: less distorted than the paper's seems to be.",
+                mean_of(&motion)
             ),
             cdf("The card in its office", "error (m)", &curves).to_svg(),
         ))

@@ -84,7 +84,7 @@ fn measure(seed: u64) -> Measured {
     };
     Measured {
         usual_m: of(&recipe),
-        warped_m: of(&Recipe::dtw()),
+        warped_m: of(&test_bed::magicol(3, 3)),
         sweeps: sweeps::measure(of),
         users_m: (0..MASS_CENTERED_HEIGHTS_M.len()).map(|user| by(user, 0)).collect(),
         phones_m: (0..test_bed::mass_centered_phones().len()).map(|phone| by(SURVEYOR, phone)).collect(),

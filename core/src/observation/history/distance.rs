@@ -41,6 +41,11 @@ pub(super) fn centred_square_ut2(a_ut: &[f32], b_ut: &[f32]) -> f32 {
     sum(a_ut, b_ut, |off_ut| (off_ut - mean_ut) * (off_ut - mean_ut))
 }
 
+/// `Σ e` and `Σ e²` with `e = a − b`, of rows of one length.
+pub(super) fn off_sums(a_ut: &[f32], b_ut: &[f32]) -> [f32; 2] {
+    [sum(a_ut, b_ut, |off_ut| off_ut), sum(a_ut, b_ut, |off_ut| off_ut * off_ut)]
+}
+
 /// The sum of `term(a − b)`, as [`LANES`] sums side by side: a fixed order, whatever the processor adds at once.
 #[inline(always)]
 fn sum(a_ut: &[f32], b_ut: &[f32], term: impl Fn(f32) -> f32) -> f32 {

@@ -34,6 +34,7 @@ fn cloud(params: &HistoryParams, x_m: &[f32]) -> Particles {
         log_weight: vec![0.0; n],
         history_log_weight: vec![0.0; n],
         history_ut: vec![0.0; n * params.n_values()],
+        history_sums: vec![0.0; n * params.n_sums()],
         ..Particles::default()
     }
 }
@@ -177,13 +178,15 @@ proptest! {
     #[test]
     fn particles_in_lanes_are_weighed_as_one_by_one(
         x_m in proptest::collection::vec(0.0f32..6.0, 1..20),
-        reads in proptest::collection::vec((20.0f32..60.0, -50.0f32..-20.0), 6),
+        reads in proptest::collection::vec((20.0f32..60.0, -50.0f32..-20.0), 12),
     ) {
         for metric in [HistoryMetric::Euclidean, WARPING] {
             let params = params(metric, HistoryFeature::Strength);
             let mut particles = cloud(&params, &x_m);
             let mut device = DeviceHistory::default();
-            for k in [0, 3] {
+            // Round the ring of six slots more than once; to its end where their order counts.
+            let moves: &[usize] = if metric == WARPING { &[0, 3, 6, 9] } else { &[0, 3, 6, 0, 9] };
+            for &k in moves {
                 let reads = core::array::from_fn(|i| read(reads[k + i].0, reads[k + i].1));
                 walk(&params, &mut particles, &mut device, reads);
             }

@@ -95,7 +95,8 @@ fn a_cluster_places_and_turns_whoever_was_lost() {
     assert_eq!(world.tracker.mode(), TrackerMode::Particles);
     // Straight up on the floor; the level frame is turned by 2 rad, and there is no compass.
     world.pass(2.0);
-    assert!((world.place().x_m - 12.0).abs() < 0.3 && world.place().y_m > 13.5, "{:?}", world.place());
+    // Directions begin 30° apart.
+    assert!((world.place().x_m - 12.0).abs() < 0.5 && world.place().y_m > 13.5, "{:?}", world.place());
     assert!(world.heading_rad().abs() < 0.3, "{}", world.heading_rad());
     // Out of range the steps go on from there, in that direction.
     let left = world.place();
@@ -107,6 +108,42 @@ fn a_cluster_places_and_turns_whoever_was_lost() {
     assert_eq!(world.tracker.mode(), TrackerMode::Particles);
     let way = world.place() - left;
     assert!(way.y_m > 3.0 && way.x_m.abs() < 1.2, "{way:?}");
+}
+
+#[test]
+fn who_knows_the_place_is_weighed_and_not_moved() {
+    let mut world = World::new();
+    world.tracker.place(Point2::new(12.0, 11.0), 2.0);
+    world.step(0.0, CarryMode::HeldUp);
+    let before = world.tracker.particles().clone();
+    assert!(world.hear(Some(Point2::new(12.0, 11.0))));
+    let after = world.tracker.particles();
+    assert_eq!(after.x_m, before.x_m);
+    assert_eq!(after.heading_offset_rad, before.heading_offset_rad);
+    // The ranges are exact, so that the likelihood is narrow; a quarter of it counts.
+    let of = |k: usize| {
+        Point2::new(f64::from(after.x_m[k]), f64::from(after.y_m[k])).distance_m(Point2::new(12.0, 11.0))
+    };
+    let near = (0..after.len()).find(|&k| of(k) < 0.2).unwrap();
+    let far = (0..after.len()).find(|&k| of(k) > 1.5).unwrap();
+    assert!(
+        after.log_weight[near] - before.log_weight[near]
+            > after.log_weight[far] - before.log_weight[far] + 1.0
+    );
+}
+
+#[test]
+fn one_fix_astray_is_outvoted_and_six_are_not() {
+    let mut world = World::new();
+    world.tracker.place(Point2::new(20.0, 11.0), 1.0);
+    world.step(0.0, CarryMode::HeldUp);
+    let cluster = Point2::new(12.0, 11.0);
+    for _ in 0..5 {
+        assert!(world.hear(Some(cluster)));
+        assert!((world.place().x_m - 20.0).abs() < 1.0, "{:?}", world.place());
+    }
+    assert!(world.hear(Some(cluster)));
+    assert!(world.place().distance_m(cluster) < 0.5, "{:?}", world.place());
 }
 
 #[test]

@@ -40,6 +40,9 @@ class Record(private val fields: List<String>) {
 
     val point get() = Point2(double(2), double(3))
 
+    /** The same reading at another time. */
+    fun at(timeNs: Long) = Record(listOf("$timeNs") + fields.drop(1))
+
     fun addTo(batch: SampleBatch) = when (kind) {
         "specific_force" -> batch.specificForce(timeNs, float(2), float(3), float(4))
         "angular_rate" -> batch.angularRate(timeNs, float(2), float(3), float(4))
@@ -55,8 +58,9 @@ class Record(private val fields: List<String>) {
     }
 
     fun float(k: Int) = Float.fromBits(fields[k].toUInt(16).toInt())
+    fun int(k: Int) = fields[k].toInt()
     private fun double(k: Int) = Double.fromBits(fields[k].toULong(16).toLong())
-    private fun bytes(k: Int) = fields[k].chunked(2).map { it.toInt(16).toByte() }.toByteArray()
+    fun bytes(k: Int) = fields[k].chunked(2).map { it.toInt(16).toByte() }.toByteArray()
 }
 
 fun batchOf(records: List<Record>): SampleBatch {

@@ -1,0 +1,150 @@
+package org.fieldwalk.android
+
+import android.content.BroadcastReceiver
+import android.content.Context
+import android.content.Intent
+import android.content.IntentFilter
+import android.os.Build
+import android.os.Handler
+import android.os.HandlerThread
+import android.os.PowerManager
+import android.os.Process
+import org.fieldwalk.BuildingMap
+import java.nio.ByteBuffer
+
+/**
+ * The phone's sensors and radios on a thread of their own, packed into batches.
+ *
+ * A positioner has its own; this is for apps that survey or record. [start] and [stop] may be called from any thread, any
+ * number of times.
+ *
+ * @param ibeaconUuids by which a map knows its beacons, [BuildingMap.ibeaconUuids]; all others are known by their address
+ * @param push takes a batch, valid during the call only, on the thread of the sensors; one that throws ends the sensors; it must
+ *   not call this object
+ * @param pushed called after every batch, free to call anything
+ * @param report called every second and at every change with what is in the way, on the thread of the sensors
+ * @param fail called once with what [push] threw
+ */
+class PhoneSensors(
+    context: Context,
+    private val sensing: Sensing = Sensing(),
+    private val ibeaconUuids: List<ByteArray> = emptyList(),
+    private val push: (ByteBuffer) -> Unit,
+    private val pushed: () -> Unit = {},
+    private val report: (List<Trouble>) -> Unit = {},
+    private val fail: (Throwable) -> Unit = {},
+) {
+    private val context = context.applicationContext
+    private var session: Session? = null
+
+    /** Starts what is not started; what is in the way is told to `report` and tried again every second. */
+    @Synchronized
+    fun start() {
+        if (session == null) session = Session().also { it.begin() }
+    }
+
+    /** Pushes what was sensed and not pushed yet. */
+    @Synchronized
+    fun flush() {
+        session?.run?.flush()
+    }
+
+    /** Looks anew at permissions and switches; for `onResume`, otherwise it happens every second. */
+    @Synchronized
+    fun refresh() {
+        session?.look()
+    }
+
+    /** Pushes what was sensed, and stops. */
+    @Synchronized
+    fun stop() {
+        session?.end()
+        session = null
+    }
+
+    /** From a start to its stop. */
+    private inner class Session {
+        private val thread = HandlerThread("fieldwalk-sensors", Process.THREAD_PRIORITY_MORE_FAVORABLE).also { it.start() }
+        private val handler = Handler(thread.looper)
+        val run = SensorRun(sensing.latencyMs, push, pushed, ::end)
+        private val motion = MotionSensors(context, sensing, handler, run, ::lookSoon)
+        private val beacons = BeaconScanner(context, sensing.beacons, ibeaconUuids, handler, run)
+        private val wifi = if (sensing.wifi) WifiScanner(context, handler, run) else null
+        private var isEnded = false
+
+        private val switches = object : BroadcastReceiver() {
+            override fun onReceive(context: Context, intent: Intent) = lookSoon()
+        }
+        private val tick = object : Runnable {
+            override fun run() {
+                this@Session.run.flush()
+                look()
+                handler.postDelayed(this, TICK_MS)
+            }
+        }
+
+        fun begin() {
+            val filter = IntentFilter()
+            SWITCHES.forEach(filter::addAction)
+            // Only the system sends these.
+            if (Build.VERSION.SDK_INT >= Build.VERSION_CODES.TIRAMISU) {
+                context.registerReceiver(switches, filter, null, handler, Context.RECEIVER_NOT_EXPORTED)
+            } else {
+                context.registerReceiver(switches, filter, null, handler)
+            }
+            motion.start()
+            look()
+            handler.postDelayed(tick, TICK_MS)
+        }
+
+        /** Tries what is not running, and tells what is in the way. */
+        fun look() = advanced()?.let(report) ?: Unit
+
+        @Synchronized
+        private fun advanced(): List<Trouble>? {
+            if (isEnded) return null
+            beacons.advance()
+            wifi?.advance()
+            return (motion.troubles() + beacons.troubles() + wifi?.troubles().orEmpty() + dozing()).distinct()
+        }
+
+        /** Under the lock of the run, which [end] needs too. */
+        private fun end(failure: Throwable) {
+            handler.post(::stop)
+            fail(failure)
+        }
+
+        @Synchronized
+        fun end() {
+            isEnded = true
+            context.unregisterReceiver(switches)
+            motion.stop()
+            beacons.stop()
+            wifi?.stop()
+            run.end()
+            thread.quitSafely()
+        }
+
+        private fun lookSoon() {
+            handler.post(::look)
+        }
+
+        private fun dozing(): List<Trouble> =
+            if (context.getSystemService(PowerManager::class.java)?.isDeviceIdleMode != true) emptyList()
+            else listOf(
+                Trouble(
+                    TroubleKind.DOZING, "the device dozes: sensors stand still",
+                    "run in the foreground service to be followed with the screen off; after a long doze give a hint",
+                ),
+            )
+    }
+
+    private companion object {
+        const val TICK_MS = 1_000L
+        val SWITCHES = listOf(
+            "android.bluetooth.adapter.action.STATE_CHANGED",
+            "android.location.MODE_CHANGED",
+            PowerManager.ACTION_DEVICE_IDLE_MODE_CHANGED,
+        )
+    }
+}

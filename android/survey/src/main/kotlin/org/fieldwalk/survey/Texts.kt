@@ -1,0 +1,139 @@
+package org.fieldwalk.survey
+
+import java.util.Locale
+import kotlin.math.roundToInt
+
+/** What the app says. In code, since the app has no other resources. */
+interface Texts {
+    val title: String
+    val choosePlan: String
+    val floorName: String
+    val continueSurvey: String
+    val beginWalk: String
+    val endWalk: String
+    val undoTap: String
+    val undoWalk: String
+    val pause: String
+    val resume: String
+    val buildMap: String
+    val checkWalk: String
+    val share: String
+    val planDescription: String
+    val tapYourPlace: String
+    val noFixYet: String
+    val planUnreadable: String
+
+    fun advice(state: SurveyState): String
+    fun summary(state: SurveyState): String
+    fun accuracy(medianM: Double, p90M: Double): String
+    fun steps(n: Int): String
+    fun warning(warning: Warning): String
+    fun fix(radiusM: Double, isStale: Boolean): String
+
+    companion object {
+        fun of(locale: Locale): Texts = if (locale.language == "de") German else English
+    }
+}
+
+object English : Texts {
+    override val title = "Fieldwalk survey"
+    override val choosePlan = "Choose a floor plan"
+    override val floorName = "Name of the floor"
+    override val continueSurvey = "Continue the survey"
+    override val beginWalk = "Begin a walk"
+    override val endWalk = "End the walk"
+    override val undoTap = "Undo tap"
+    override val undoWalk = "Undo walk"
+    override val pause = "Pause"
+    override val resume = "Resume"
+    override val buildMap = "Build the map"
+    override val checkWalk = "Check walk"
+    override val share = "Share"
+    override val planDescription = "Floor plan. Tap where you stand."
+    override val tapYourPlace = "Tap where you stand, then walk."
+    override val noFixYet = "No position yet."
+    override val planUnreadable = "This is no floor plan in GeoJSON."
+
+    override fun advice(state: SurveyState) = when (state.phase) {
+        Phase.IDLE -> if (state.nWalks == 0) "Begin a walk, then tap where you stand." else "Begin another walk, or build the map."
+        Phase.WALKING ->
+            if (state.taps.isEmpty()) "Tap where you stand." else "Walk in a straight line; tap where you turn or stop."
+        Phase.PAUSED -> "Paused: resume, then tap where you stand."
+        Phase.BUILDING -> "Building the map…"
+    }
+
+    override fun summary(state: SurveyState): String {
+        val walks = if (state.nWalks == 1) "1 walk" else "${state.nWalks} walks"
+        return "$walks, ${state.routeM.roundToInt()} m, ${state.coveredPercent} % covered"
+    }
+
+    override fun accuracy(medianM: Double, p90M: Double) =
+        String.format(Locale.ENGLISH, "Expected error: %.1f m, nine of ten under %.1f m", medianM, p90M)
+
+    override fun steps(n: Int) = if (n == 1) "1 step" else "$n steps"
+
+    override fun warning(warning: Warning) = when (warning) {
+        Warning.TOO_FAST -> "That was faster than one walks: tap in time, and undo a tap that came late."
+        Warning.NO_STEPS -> "No steps are seen: hold the phone before you, or carry it as people later will."
+        Warning.CALIBRATION -> "The compass is not calibrated: swing the phone in a figure of eight."
+        Warning.BLUETOOTH -> "No beacons are heard: switch Bluetooth on and allow devices nearby."
+        Warning.LOCATION -> "Neither beacons nor WiFi are heard: switch the location on and allow the precise one."
+        Warning.SENSORS -> "A sensor is missing or silent: this phone is not fit to survey."
+    }
+
+    override fun fix(radiusM: Double, isStale: Boolean) =
+        String.format(Locale.ENGLISH, if (isStale) "Lost since a while: within %.1f m" else "Within %.1f m", radiusM)
+}
+
+object German : Texts {
+    override val title = "Fieldwalk-Vermessung"
+    override val choosePlan = "Grundriss wählen"
+    override val floorName = "Name des Stockwerks"
+    override val continueSurvey = "Vermessung fortsetzen"
+    override val beginWalk = "Gang beginnen"
+    override val endWalk = "Gang beenden"
+    override val undoTap = "Tippen zurück"
+    override val undoWalk = "Gang zurück"
+    override val pause = "Pause"
+    override val resume = "Weiter"
+    override val buildMap = "Karte bauen"
+    override val checkWalk = "Probegang"
+    override val share = "Teilen"
+    override val planDescription = "Grundriss. Tippen Sie, wo Sie stehen."
+    override val tapYourPlace = "Tippen Sie, wo Sie stehen, und gehen Sie los."
+    override val noFixYet = "Noch keine Position."
+    override val planUnreadable = "Das ist kein Grundriss in GeoJSON."
+
+    override fun advice(state: SurveyState) = when (state.phase) {
+        Phase.IDLE ->
+            if (state.nWalks == 0) "Beginnen Sie einen Gang und tippen Sie, wo Sie stehen."
+            else "Beginnen Sie einen weiteren Gang oder bauen Sie die Karte."
+        Phase.WALKING ->
+            if (state.taps.isEmpty()) "Tippen Sie, wo Sie stehen."
+            else "Gehen Sie geradeaus; tippen Sie, wo Sie abbiegen oder halten."
+        Phase.PAUSED -> "Pause: gehen Sie weiter und tippen Sie, wo Sie stehen."
+        Phase.BUILDING -> "Die Karte wird gebaut …"
+    }
+
+    override fun summary(state: SurveyState): String {
+        val walks = if (state.nWalks == 1) "1 Gang" else "${state.nWalks} Gänge"
+        return "$walks, ${state.routeM.roundToInt()} m, ${state.coveredPercent} % abgedeckt"
+    }
+
+    override fun accuracy(medianM: Double, p90M: Double) =
+        String.format(Locale.GERMAN, "Erwarteter Fehler: %.1f m, neun von zehn unter %.1f m", medianM, p90M)
+
+    override fun steps(n: Int) = if (n == 1) "1 Schritt" else "$n Schritte"
+
+    override fun warning(warning: Warning) = when (warning) {
+        Warning.TOO_FAST -> "Das war schneller, als man geht: rechtzeitig tippen, spätes Tippen zurücknehmen."
+        Warning.NO_STEPS -> "Keine Schritte erkannt: halten Sie das Telefon vor sich oder wie später im Gebrauch."
+        Warning.CALIBRATION -> "Der Kompass ist nicht kalibriert: schwenken Sie das Telefon in einer Acht."
+        Warning.BLUETOOTH -> "Keine Beacons zu hören: Bluetooth einschalten und Geräte in der Nähe erlauben."
+        Warning.LOCATION -> "Weder Beacons noch WLAN zu hören: Standort einschalten und den genauen erlauben."
+        Warning.SENSORS -> "Ein Sensor fehlt oder schweigt: dieses Telefon taugt nicht zum Vermessen."
+    }
+
+    override fun fix(radiusM: Double, isStale: Boolean) =
+        String.format(Locale.GERMAN, if (isStale) "Seit einer Weile verloren: innerhalb %.1f m" else "Innerhalb %.1f m", radiusM)
+}
