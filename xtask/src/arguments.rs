@@ -44,7 +44,7 @@ impl Arguments {
     /// A sentence for the user when a command, an option, a stage or a number is unknown.
     pub fn parse(words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
         let mut words = words;
-        let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 60, json: false };
+        let mut arguments = Self { quick: false, only: Vec::new(), fuzz_seconds: 20, json: false };
         match words.next().as_deref() {
             Some("test") => {}
             Some(
