@@ -1,7 +1,7 @@
 //! Running other programs.
 
 use std::ffi::OsStr;
-use std::fs::File;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -18,7 +18,8 @@ pub fn run(command: &mut Command) -> Result<(), String> {
 
 /// As [`run`], with the command's output in the file `log`.
 pub fn run_into(command: &mut Command, log: &Path) -> Result<(), String> {
-    let open = File::create(log).and_then(|file| Ok((file.try_clone()?, file)));
+    let made = log.parent().map_or(Ok(()), fs::create_dir_all);
+    let open = made.and_then(|()| File::create(log)).and_then(|file| Ok((file.try_clone()?, file)));
     let (out, errors) = open.map_err(|error| format!("{}: {error}", log.display()))?;
     run(command.stdout(out).stderr(errors))
 }
