@@ -90,7 +90,10 @@ fn run(run: &Run) -> Findings {
                 measured.len(),
                 [Estimate::paired(&modified, &ordinary), Estimate::paired(&ordinary, &nearest)],
             )
-            .because("our ordinary filter is better than the paper's: a particle where nobody measured the field dies, which keeps all in the corridor, and a hundred with steps and compass tell more than ten points"),
+            .because(
+                "our ordinary filter is better than the paper's: a particle where nobody measured the field dies, which \
+                 keeps all in the corridor",
+            ),
         )
         .with_picture(Picture::of(
             format!(

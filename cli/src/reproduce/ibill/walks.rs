@@ -167,7 +167,7 @@ fn run(run: &Run) -> Findings {
         .with(Finding::new("ibill-users", users.first().map_or(0, Vec::len), [worst]))
         .with(
             Finding::new("ibill-early", n, [Estimate::paired(&early(&filter), &early(&magicol))])
-                .because("not found: the direction at the start, which the paper's users were told, is the compass's here"),
+                .because("the paper's users were told the direction at the start; here it is the compass's"),
         )
         .with_picture(Picture::of(
             format!("{n} halls of 1800 m\u{b2}, surveyed empty, a trace through the crowd from cluster to cluster and back."),
