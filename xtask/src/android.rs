@@ -3,7 +3,6 @@
 
 mod abi;
 mod cross;
-mod elf;
 mod maven;
 
 use std::fmt::Write as _;
@@ -11,12 +10,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::arguments::Arguments;
+use crate::elf::SharedLibrary;
 use crate::report::Outcome;
 use crate::workspace::Workspace;
 use abi::{ABIS, Abi};
 pub use cross::Toolchain;
 use cross::{LIBRARY, REMEDY};
-use elf::SharedLibrary;
 
 /// Pages of the newest phones.
 const PAGE_BYTES: u64 = 0x4000;

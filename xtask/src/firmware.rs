@@ -72,7 +72,9 @@ fn result_file(workspace: &Workspace) -> PathBuf {
 /// Flash and RAM of the chip's image. No part of it is a maker's blob: the radio is driven directly.
 fn image(workspace: &Workspace, toolchain: &Toolchain) -> Result<Figures, String> {
     let elf = build(workspace, toolchain, "nrf52832", "fieldwalk-card-nrf52832")?;
-    let footprint = Footprint::of(&elf)?;
+    let at = |error: &dyn std::fmt::Display| format!("{}: {error}", elf.display());
+    let bytes = fs::read(&elf).map_err(|error| at(&error))?;
+    let footprint = Footprint::read(&bytes).map_err(|error| at(&error))?;
     Ok(vec![
         ("flash_bytes", footprint.flash_bytes.to_string()),
         ("blob_bytes", "0".into()),
