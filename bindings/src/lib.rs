@@ -50,7 +50,7 @@ pub use calibrator::{
 pub use card::{CardDecoder, CardRound, Ibeacon, decode_ibeacon, decode_ibeacon_manufacturer_data};
 pub use carrying::{CarryFault, CarryWarning};
 pub use error::ApiError;
-pub use fix::{Attitude, CarryMode, Fix, FixMode, LatitudeLongitude, Point2, PositionHint};
+pub use fix::{Attitude, CarryMode, Fix, FixMode, HintedDirection, LatitudeLongitude, Point2, PositionHint};
 pub use floor_drawing::{DrawnUnit, FloorDrawing};
 pub use missing::{Missing, MissingInput};
 pub use positioner::{Positioner, PositionerOptions};

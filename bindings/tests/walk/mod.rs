@@ -94,7 +94,7 @@ impl AppWalk {
     /// The start, known to 2 m.
     pub fn hint(&self) -> PositionHint {
         let Waypoint { time_ns, point } = self.waypoints[0];
-        PositionHint { point, radius_m: 2.0, floor: 0, time_ns }
+        PositionHint { point, radius_m: 2.0, floor: 0, time_ns, direction: None }
     }
 }
 
