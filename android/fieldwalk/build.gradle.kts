@@ -19,6 +19,7 @@ android {
     }
     sourceSets["main"].apply {
         kotlin.srcDir(engine.resolve("target/bindings/kotlin"))
+        kotlin.srcDir(engine.resolve("bindings/kotlin/src/main/kotlin"))
         jniLibs.srcDir(made.resolve("jni"))
     }
 }

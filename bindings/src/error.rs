@@ -75,7 +75,7 @@ pub enum ApiError {
         /// What to do about it.
         remedy: String,
     },
-    /// The hint's point or radius is not a place on the plan.
+    /// The hint's point or radius is not a place on the plan, or its direction is none.
     #[error("{explanation} ({remedy})")]
     BadHint {
         /// What is wrong.

@@ -34,6 +34,21 @@ pub struct PositionHint {
     pub floor: i32,
     /// When, on the clock of the samples, in nanoseconds.
     pub time_ns: i64,
+    /// Which way they walk from there, if somebody knows.
+    #[uniffi(default = None)]
+    pub direction: Option<HintedDirection>,
+}
+
+/// Which way someone is said to walk: an arrow on the plan, the way that leads from a door.
+///
+/// Systems that carry a direction on by the gyroscope, the default among them, begin with this one instead of the
+/// compass's.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
+pub struct HintedDirection {
+    /// The heading at the hint's time, in radians, clockwise from the plan's y axis.
+    pub heading_rad: f64,
+    /// Its standard deviation, in radians; 0.01 to π.
+    pub sd_rad: f64,
 }
 
 /// What a fix rests on; new cases may come.
@@ -142,8 +157,16 @@ impl From<Point2> for geometry::Point2 {
 
 impl From<PositionHint> for positioner::PositionHint {
     fn from(hint: PositionHint) -> Self {
-        let PositionHint { point, radius_m, floor, time_ns } = hint;
-        Self { point: point.into(), radius_m, floor, time: Timestamp::from_nanos(time_ns) }
+        let PositionHint { point, radius_m, floor, time_ns, direction } = hint;
+        let time = Timestamp::from_nanos(time_ns);
+        Self { point: point.into(), radius_m, floor, time, direction: direction.map(Into::into) }
+    }
+}
+
+impl From<HintedDirection> for positioner::HintedDirection {
+    fn from(direction: HintedDirection) -> Self {
+        let HintedDirection { heading_rad, sd_rad } = direction;
+        Self { heading_rad, sd_rad }
     }
 }
 

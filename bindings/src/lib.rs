@@ -25,6 +25,7 @@
 mod building_map;
 mod calibrator;
 mod card;
+mod carrying;
 mod error;
 mod fix;
 mod floor_drawing;
@@ -38,6 +39,7 @@ mod samples;
 mod sensor_loop;
 mod snapshot;
 mod status;
+mod survey_status;
 mod surveyed_floor;
 mod surveyor;
 
@@ -46,16 +48,18 @@ pub use calibrator::{
     CalibrationQuality, MagnetometerCalibration, MagnetometerCalibrator, SwingFault, SwingVerdict, Vector3,
 };
 pub use card::{CardDecoder, CardRound, Ibeacon, decode_ibeacon, decode_ibeacon_manufacturer_data};
+pub use carrying::{CarryFault, CarryWarning};
 pub use error::ApiError;
-pub use fix::{Attitude, CarryMode, Fix, FixMode, LatitudeLongitude, Point2, PositionHint};
+pub use fix::{Attitude, CarryMode, Fix, FixMode, HintedDirection, LatitudeLongitude, Point2, PositionHint};
 pub use floor_drawing::{DrawnUnit, FloorDrawing};
 pub use missing::{Missing, MissingInput};
 pub use positioner::{Positioner, PositionerOptions};
 pub use recorder::{Recorder, RecorderStatus, RecordingDetails, Waypoint};
 pub use recording_reader::{RecordingLosses, RecordingPart, RecordingReader};
 pub use status::{BatchFaults, Rejections, Status};
+pub use survey_status::{SurveyStatus, WalkRefusal, WalkReport};
 pub use surveyed_floor::{CoverageTotals, ExpectedAccuracy, ScoredPlace, SurveyedFloor};
-pub use surveyor::{SurveyCoverage, SurveyStatus, Surveyor, WalkReport};
+pub use surveyor::{SurveyCoverage, Surveyor};
 
 #[cfg(feature = "unwinder")]
 extern crate unwinding as _;

@@ -195,7 +195,13 @@ mod tests {
     }
 
     fn hint() -> PositionHint {
-        PositionHint { point: Point2 { x_m: 3.0, y_m: 4.0 }, radius_m: 1.0, floor: 0, time_ns: 5 }
+        PositionHint {
+            point: Point2 { x_m: 3.0, y_m: 4.0 },
+            radius_m: 1.0,
+            floor: 0,
+            time_ns: 5,
+            direction: None,
+        }
     }
 
     #[test]

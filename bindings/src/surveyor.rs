@@ -13,13 +13,16 @@ use fieldwalk_batch::SampleBatch;
 use fieldwalk_formats::ilc::floor_ordinal;
 use fieldwalk_formats::{Record, read_plan};
 
+use crate::carrying::CarryWarning;
 use crate::error::{ApiError, api_error, locked};
+use crate::fix::{Attitude, CarryMode};
 use crate::floor_drawing::FloorDrawing;
-use crate::missing::{InputWatch, Missing};
+use crate::missing::InputWatch;
 use crate::recorder::Waypoint;
 use crate::recording_reader::for_each_record;
 use crate::samples::take_each;
 use crate::status::{BatchFaults, Rejections};
+use crate::survey_status::{SurveyStatus, WalkRefusal, WalkReport};
 use crate::surveyed_floor::{CoverageTotals, SurveyedFloor};
 
 /// Surveys one floor.
@@ -51,42 +54,6 @@ struct Walking {
     /// What was walked between pauses; the last is open, and nothing joins it to the one before.
     parts: Vec<SurveyWalk>,
     is_paused: bool,
-}
-
-/// What became of a walk.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
-pub struct WalkReport {
-    /// Whether the map can use it; a walk that it cannot use is dropped.
-    pub is_used: bool,
-    /// What to do otherwise next time, in English; empty for a walk that is used.
-    pub remedy: String,
-    /// Waypoints tapped.
-    pub n_waypoints: u32,
-    /// Steps between waypoints.
-    pub n_steps: u32,
-    /// Length of its lines, in metres.
-    pub route_m: f64,
-    /// Samples refused, by cause.
-    pub rejections: Rejections,
-}
-
-/// How a survey fares.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
-pub struct SurveyStatus {
-    /// Walks that have ended and are used.
-    pub n_walks: u32,
-    /// Whether a walk has begun and not ended.
-    pub is_walking: bool,
-    /// Whether it is paused.
-    pub is_paused: bool,
-    /// Steps seen in it since it began or was resumed.
-    pub n_steps: u32,
-    /// The last waypoint of it, which `undo_waypoint` would take back.
-    pub last_waypoint: Option<Waypoint>,
-    /// Records of batches that gave no sample, by cause.
-    pub batch_faults: BatchFaults,
-    /// What is missing now, and how to mend it.
-    pub missing: Vec<Missing>,
 }
 
 /// How far the floor is covered, with a grid to draw.
@@ -303,6 +270,9 @@ impl Surveyor {
             last_waypoint: part.and_then(|part| part.waypoints().last()).copied().map(Waypoint::from),
             batch_faults: *batch_faults,
             missing: if walking.is_some() { watch.missing(false) } else { Vec::new() },
+            attitude: part.map_or(Attitude::Unknown, |part| part.attitude().attitude.into()),
+            carry_mode: part.map_or(CarryMode::Unknown, |part| part.attitude().carry_mode.into()),
+            carry_warning: part.and_then(SurveyWalk::carry_fault).map(CarryWarning::of),
         })
     }
 
@@ -350,18 +320,17 @@ impl State {
             route_m += lines.map(|w| w[0].point.distance_m(w[1].point)).sum::<f64>();
             n > 0
         });
-        let remedy = if !parts.is_empty() {
-            ""
-        } else if n_waypoints < 2 {
-            "tap a waypoint at both ends of every line"
-        } else {
-            "walk between the waypoints, with the accelerometer and the gyroscope recorded"
+        let refusal = match (parts.is_empty(), n_waypoints) {
+            (false, _) => None,
+            (true, 0..2) => Some(WalkRefusal::NoWaypoints),
+            (true, _) => Some(WalkRefusal::NoSteps),
         };
-        let is_used = !parts.is_empty();
+        let is_used = refusal.is_none();
         if is_used {
             self.ended.push(parts);
         }
-        WalkReport { is_used, remedy: remedy.into(), n_waypoints, n_steps, route_m, rejections }
+        let remedy = refusal.map_or("", WalkRefusal::remedy).into();
+        WalkReport { is_used, remedy, n_waypoints, n_steps, route_m, rejections, refusal }
     }
 }
 

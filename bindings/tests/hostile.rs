@@ -7,8 +7,9 @@ use std::fs;
 use std::sync::LazyLock;
 
 use fieldwalk_ffi::{
-    ApiError, BuildingMap, CardDecoder, MagnetometerCalibrator, Point2, PositionHint, Positioner, Recorder,
-    RecordingDetails, RecordingReader, Surveyor, decode_ibeacon, decode_ibeacon_manufacturer_data,
+    ApiError, BuildingMap, CardDecoder, HintedDirection, MagnetometerCalibrator, Point2, PositionHint,
+    Positioner, Recorder, RecordingDetails, RecordingReader, Surveyor, decode_ibeacon,
+    decode_ibeacon_manufacturer_data,
 };
 use proptest::prelude::*;
 
@@ -136,11 +137,13 @@ proptest! {
     #[test]
     fn a_hint_is_taken_or_refused_by_its_kind(
         (x_m, y_m, radius_m) in (any::<f64>(), any::<f64>(), any::<f64>()),
+        direction in prop::option::of((any::<f64>(), any::<f64>())),
         floor: i32,
         time_ns: i64,
     ) {
         let positioner = Positioner::new(&SURVEYED, 0, Default::default()).unwrap();
-        let hint = PositionHint { point: Point2 { x_m, y_m }, radius_m, floor, time_ns };
+        let direction = direction.map(|(heading_rad, sd_rad)| HintedDirection { heading_rad, sd_rad });
+        let hint = PositionHint { point: Point2 { x_m, y_m }, radius_m, floor, time_ns, direction };
         match positioner.hint(hint) {
             Ok(()) => prop_assert_eq!(floor, 0),
             Err(ApiError::WrongFloor { .. }) => prop_assert_ne!(floor, 0),

@@ -3,9 +3,14 @@
 
 mod walk;
 
+use fieldwalk::sensor::Sample;
 use fieldwalk::survey::{SurveyParams, SurveyWalk, Waypoint as CoreWaypoint, build_floor};
 use fieldwalk::time::Timestamp;
-use fieldwalk_ffi::{ApiError, BuildingMap, MissingInput, Point2, Positioner, Surveyor, Waypoint};
+use fieldwalk_ffi::{
+    ApiError, Attitude, BuildingMap, CarryFault, CarryMode, MissingInput, Point2, Positioner, SurveyStatus,
+    Surveyor, WalkRefusal, Waypoint,
+};
+use fieldwalk_sim::phone::CarryMode as Carried;
 
 use walk::{AppWalk, Folder, OFFICE, SURVEYED, batch_of, record, survey};
 
@@ -86,6 +91,9 @@ fn coverage_grows_while_a_line_is_walked_and_shrinks_when_its_end_is_taken_back(
     // Nobody walked, so the map has no use for it.
     let report = surveyor.end_walk().unwrap();
     assert!(!report.is_used && report.remedy.contains("walk between"), "{report:?}");
+    assert_eq!(report.refusal, Some(WalkRefusal::NoSteps));
+    surveyor.begin_walk("no line".into()).unwrap();
+    assert_eq!(surveyor.end_walk().unwrap().refusal, Some(WalkRefusal::NoWaypoints));
     assert_eq!(covered(), 0.0);
 }
 
@@ -107,7 +115,7 @@ fn a_pause_costs_the_line_that_it_interrupts_and_no_other() {
     surveyor.push_waypoint(third).unwrap();
     surveyor.push_samples(&batch_of(&walk.samples[pause_end..])).unwrap();
     let report = surveyor.end_walk().unwrap();
-    assert!(report.is_used && report.n_steps > 3, "{report:?}");
+    assert!(report.is_used && report.refusal.is_none() && report.n_steps > 3, "{report:?}");
     let line_m = (first.point.x_m - second.point.x_m).hypot(first.point.y_m - second.point.y_m);
     let coverage = surveyor.coverage().unwrap();
     assert!((coverage.totals.route_m - line_m).abs() < 1e-9, "{:?}", coverage.totals);
@@ -189,4 +197,62 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     let upstairs = Surveyor::new(&OFFICE.plan, "F2".into(), 1).unwrap();
     let refusal = upstairs.add_recording(path.to_str().unwrap(), "w".into());
     assert!(matches!(refusal, Err(ApiError::WrongFloor { .. })), "{refusal:?}");
+}
+
+/// What the survey says of every second of a walk.
+fn statuses(walk: &AppWalk) -> Vec<SurveyStatus> {
+    let surveyor = surveyor();
+    surveyor.begin_walk("carried".into()).unwrap();
+    assert_eq!(surveyor.status().unwrap().attitude, Attitude::Unknown);
+    let second = |sample: &Sample| sample.time.as_nanos() / 1_000_000_000;
+    let seconds = walk.samples.chunk_by(|a, b| second(a) == second(b));
+    let status = |samples: &[Sample]| {
+        surveyor.push_samples(&batch_of(samples)).unwrap();
+        surveyor.status().unwrap()
+    };
+    seconds.map(status).collect()
+}
+
+fn warned(status: &SurveyStatus) -> Option<CarryFault> {
+    status.carry_warning.as_ref().map(|warning| warning.what)
+}
+
+#[test]
+fn a_phone_held_level_is_never_warned_of() {
+    for walk in &OFFICE.surveys {
+        let statuses = statuses(walk);
+        assert_eq!(statuses.iter().find_map(warned), None);
+        let walking = &statuses[statuses.len() / 2];
+        assert_eq!(walking.attitude, Attitude::UpwardForwardHorizontal);
+        assert_eq!(walking.carry_mode, CarryMode::HeldUp);
+    }
+}
+
+#[test]
+fn every_other_way_to_carry_a_phone_is_warned_of() {
+    let expected = [
+        (Carried::SwingingHand, CarryFault::NotHeld),
+        (Carried::FrontPocket, CarryFault::NotHeld),
+        (Carried::BackPocket, CarryFault::NotHeld),
+        (Carried::AtEar, CarryFault::NotHeld),
+        (Carried::HeldLandscape, CarryFault::NotForward),
+        (Carried::HeldUpright, CarryFault::NotUpward),
+    ];
+    for (carried, fault) in expected {
+        let statuses = statuses(&OFFICE.carried(&[(0.0, carried)]));
+        let whats: Vec<Option<CarryFault>> = statuses.iter().map(warned).collect();
+        let n = whats.iter().filter(|what| **what == Some(fault)).count();
+        assert!(2 * n > statuses.len(), "{carried:?}: {whats:?}");
+    }
+}
+
+#[test]
+fn the_warning_goes_when_the_phone_is_held_again() {
+    let carrying = [(0.0, Carried::HeldLevel), (6.0, Carried::FrontPocket), (13.0, Carried::HeldLevel)];
+    let statuses = statuses(&OFFICE.carried(&carrying));
+    let whats: Vec<Option<CarryFault>> = statuses.iter().map(warned).collect();
+    assert!(whats[..6].iter().all(Option::is_none) && whats[11..13].iter().all(Option::is_some), "{whats:?}");
+    assert!(whats[18..].iter().all(Option::is_none), "{whats:?}");
+    let warning = statuses[12].carry_warning.as_ref().unwrap();
+    assert!(!warning.explanation.is_empty() && warning.remedy.contains("level"), "{warning:?}");
 }

@@ -133,13 +133,34 @@ fn an_ibeacon_names_itself() {
     assert!(matches!(card, Err(ApiError::AdvertisementForeign { .. })), "{card:?}");
 }
 
+/// A round as a line of `walk-01.rounds.txt`, which `firmware/golden/README.md` describes.
+fn line(round: &fieldwalk_ffi::CardRound) -> String {
+    let bit = |is: bool| if is { "1" } else { "0" }.to_owned();
+    let bits = |value: &Option<f32>| value.map_or("-".to_owned(), |value| format!("{:08x}", value.to_bits()));
+    let mut words = vec![round.card_id.to_string(), round.sequence.to_string()];
+    words.push(round.n_lost.map_or("-".to_owned(), |n| n.to_string()));
+    words.extend([round.is_repeated, round.is_calibrated, round.just_woke, round.is_battery_low].map(bit));
+    words.push(round.battery_mv.map_or("-".to_owned(), |mv| mv.to_string()));
+    let thirds = [
+        &round.vertical_field_ut,
+        &round.horizontal_field_ut,
+        &round.previous_strength_ut,
+        &round.acceleration_max_m_s2,
+        &round.acceleration_min_m_s2,
+    ];
+    words.extend(thirds.into_iter().flatten().map(bits));
+    words.push(bits(&round.orientation_rad));
+    words.join(" ")
+}
+
 #[test]
 fn the_golden_frames_of_the_firmware_are_read_as_they_were_sent() {
-    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/golden/walk-01.frames.txt");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/golden");
     let decoder = CardDecoder::new();
-    let text = std::fs::read_to_string(file).unwrap();
-    for (k, line) in text.lines().enumerate() {
-        let (_, digits) = line.split_once(' ').unwrap();
+    let text = std::fs::read_to_string(folder.join("walk-01.frames.txt")).unwrap();
+    let mut rounds = String::new();
+    for (k, sent) in text.lines().enumerate() {
+        let (_, digits) = sent.split_once(' ').unwrap();
         let bytes: Vec<u8> =
             (0..31).map(|i| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).unwrap()).collect();
         let round = decoder.decode_advertisement(&bytes).unwrap();
@@ -150,6 +171,13 @@ fn the_golden_frames_of_the_firmware_are_read_as_they_were_sent() {
         assert_eq!(round.vertical_field_ut[0], Some(f32::from(vertical) / 25.0));
         assert_eq!(round.acceleration_max_m_s2[0], Some(f32::from(bytes[27] & 0x0F)));
         assert_eq!(round.battery_mv, Some(u16::from(bytes[8]) * 20));
+        rounds += &(line(&round) + "\n");
     }
     assert_eq!(text.lines().count(), 59);
+    // What Kotlin, Swift and Python find too.
+    let golden = folder.join("walk-01.rounds.txt");
+    if std::env::var_os("FIELDWALK_UPDATE_GOLDEN").is_some() {
+        std::fs::write(&golden, &rounds).unwrap();
+    }
+    assert_eq!(rounds, std::fs::read_to_string(&golden).unwrap());
 }

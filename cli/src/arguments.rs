@@ -322,7 +322,7 @@ pub struct EvaluateArguments {
     pub with_plan: bool,
 
     /// What a system is told of the start: `known:R`, the truth ± R m along each axis, uniform and seeded (R from 0.1
-    /// to 1000), or `cold`, nothing.
+    /// to 1000); `known:R:A`, the direction of the first metres ± A degrees besides (A from 1 to 180); or `cold`, nothing
     #[arg(long, default_value = "known:2")]
     pub start: Start,
 

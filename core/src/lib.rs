@@ -24,7 +24,7 @@
 //! let mut positioner = Positioner::new(Arc::new(floor), Recipe::fused(), 1);
 //!
 //! let tapped = Point2::new(12.0, 7.5);
-//! positioner.hint(PositionHint { point: tapped, radius_m: 1.0, floor: 0, time: Timestamp::from_millis(0) })?;
+//! positioner.hint(PositionHint { point: tapped, radius_m: 1.0, floor: 0, time: Timestamp::from_millis(0), direction: None })?;
 //! // From here on: positioner.push(sample) for every sample, a fix for every step.
 //! let fix = positioner.fix().ok_or(PositionError::NoFix)?;
 //! assert!(fix.position.distance_m(tapped) < 0.2);

@@ -32,6 +32,21 @@ pub struct PositionHint {
     pub floor: i32,
     /// When.
     pub time: Timestamp,
+    /// Which way they walk from there, if somebody knows.
+    #[serde(default)]
+    pub direction: Option<HintedDirection>,
+}
+
+/// Which way someone is said to walk: an arrow on the plan, the way that leads from a door.
+///
+/// Systems that carry a direction on by the gyroscope begin with this one instead of the compass's; those that take every
+/// step's direction from the compass make nothing of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HintedDirection {
+    /// The heading at the hint's time, in radians, clockwise from the floor's y axis.
+    pub heading_rad: f64,
+    /// Its standard deviation, in radians; 0.01 to π.
+    pub sd_rad: f64,
 }
 
 /// Why a call was refused.
@@ -45,7 +60,8 @@ pub enum PositionError {
         /// The map's floor.
         mapped: i32,
     },
-    /// The hint's point or radius is not finite, not positive, or off the plan by more than the radius.
+    /// The hint's point, radius or direction is not finite or out of its range, or the point is off the plan by more than
+    /// the radius.
     BadHint,
     /// The asked time is before the last consumed sample or the hint.
     TimeInPast {
@@ -66,7 +82,9 @@ impl core::fmt::Display for PositionError {
             Self::WrongFloor { hinted, mapped } => {
                 write!(f, "the hint is on floor {hinted}, the map on floor {mapped}: open that floor's map")
             }
-            Self::BadHint => write!(f, "the hint is not a place on this plan: check its point and radius"),
+            Self::BadHint => {
+                write!(f, "the hint is not a place on this plan: check its point, radius and direction")
+            }
             Self::TimeInPast { asked, consumed } => {
                 let behind_ms = (*consumed - *asked).as_nanos() / 1_000_000;
                 write!(
@@ -183,13 +201,23 @@ impl Positioner {
         if hint.floor != map.ordinal {
             return Err(PositionError::WrongFloor { hinted: hint.floor, mapped: map.ordinal });
         }
-        let PositionHint { point, radius_m, .. } = hint;
+        let PositionHint { point, radius_m, direction, .. } = hint;
         let is_near = |m: f64, extent_m: f64| (-radius_m..=extent_m + radius_m).contains(&m);
         let is_on_plan = is_near(point.x_m, map.plan.width_m) && is_near(point.y_m, map.plan.height_m);
         if !(0.1..=1_000.0).contains(&radius_m) || !is_on_plan {
             return Err(PositionError::BadHint);
         }
+        let is_direction = |told: HintedDirection| {
+            told.heading_rad.is_finite() && (0.01..=core::f64::consts::PI).contains(&told.sd_rad)
+        };
+        if !direction.is_none_or(is_direction) {
+            return Err(PositionError::BadHint);
+        }
         self.tracker.place(point, radius_m);
+        if let Some(HintedDirection { heading_rad, sd_rad }) = direction {
+            let level_rad = self.progress.last_consumed.map(|_| self.front_end.level_heading_rad());
+            self.tracker.face(heading_rad, sd_rad, level_rad);
+        }
         self.progress.hint_time = Some(hint.time);
         self.progress.last_step = None;
         Ok(())
@@ -372,7 +400,8 @@ mod tests {
         let mut positioner = Positioner::new(floor, Recipe::fused(), 1);
         assert_eq!(positioner.particles().len(), 0);
         let point = Point2::new(12.0, 7.5);
-        let hint = PositionHint { point, radius_m: 1.5, floor: 0, time: Timestamp::from_millis(0) };
+        let hint =
+            PositionHint { point, radius_m: 1.5, floor: 0, time: Timestamp::from_millis(0), direction: None };
         positioner.hint(hint).unwrap();
         assert_eq!(positioner.particles().len(), Recipe::fused().n_particles);
         let off = |(place, _): (Point2, f32)| place - point;

@@ -4,6 +4,7 @@
 //! waypoints, and nothing else ever sees them.
 
 mod build;
+mod carrying;
 mod coverage;
 mod kriging;
 mod leave_one_out;
@@ -13,11 +14,13 @@ mod track;
 use serde::{Deserialize, Serialize};
 
 pub use build::{MAX_NODES, SurveyError, SurveyParams, build_floor, check_extent};
+pub use carrying::CarryFault;
 pub use coverage::{Cover, Coverage, LiveCoverage, OpenFloor};
 pub use kriging::KrigingParams;
 pub use leave_one_out::LeaveOneOut;
 pub use track::{SurveyTrack, TrackStep};
 
+use crate::attitude::AttitudeEstimate;
 use crate::geometry::Point2;
 use crate::pedestrian::{Pedestrian, PedestrianParams, StepEvent};
 use crate::reorder::{DEFAULT_REORDER_WINDOW, Rejections, ReorderWindow};
@@ -112,6 +115,16 @@ impl SurveyWalk {
     /// The steps so far.
     pub fn steps(&self) -> &[StepEvent] {
         &self.steps
+    }
+
+    /// How the phone is held now.
+    pub fn attitude(&self) -> AttitudeEstimate {
+        self.pedestrian.attitude()
+    }
+
+    /// What is wrong with the way in which the phone was carried during most of the last eight steps.
+    pub fn carry_fault(&self) -> Option<CarryFault> {
+        CarryFault::of_last(&self.steps)
     }
 
     /// The waypoints so far, in order of time.

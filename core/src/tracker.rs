@@ -14,10 +14,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use beacons::Pause;
+use start::ToldDirection;
 
 use crate::beacon_mode::{BeaconCluster, BeaconVisit, find_clusters};
 use crate::front_end::FrontEndRule;
-use crate::geometry::Point2;
+use crate::geometry::{Point2, wrap_rad};
 use crate::heading::{Pathways, WayGrid};
 use crate::map::FloorIndex;
 use crate::observation::candidates::SearchArea;
@@ -46,6 +47,9 @@ pub struct TrackerState {
     n_waited: u32,
     /// Whether they have a direction too, which takes a first step.
     is_oriented: bool,
+    /// The direction that somebody told.
+    #[serde(default)]
+    told: Option<ToldDirection>,
     /// Number of steps consumed: the counter of the random draws.
     n_steps: u32,
     /// Mean length of the latest step over particles, in metres.
@@ -261,6 +265,17 @@ impl Tracker {
         self.state.is_start_unknown = false;
         self.state.pause = Pause::Running;
         self.state.visit.leave();
+        self.state.told = None;
+    }
+
+    /// Says which way the walker goes from the place just given: `heading_rad` give or take `sd_rad` when the device's level
+    /// heading is `level_rad`, or at the first step where that is not known yet.
+    pub fn face(&mut self, heading_rad: f64, sd_rad: f64, level_rad: Option<f32>) {
+        self.state.told = Some(ToldDirection {
+            heading_rad: wrap_rad(heading_rad) as f32,
+            sd_rad: sd_rad as f32,
+            level_rad,
+        });
     }
 
     /// The latest estimate; nothing before the particles have a place.

@@ -70,7 +70,8 @@ fuzz_target!(|bytes: &[u8]| {
 /// A positioner that knows where it is.
 fn positioner() -> Arc<Positioner> {
     let positioner = Positioner::new(&MAP, 0, Default::default()).expect("the floor is there");
-    let hint = PositionHint { point: Point2 { x_m: 3.0, y_m: 4.0 }, radius_m: 1.0, floor: 0, time_ns: 0 };
+    let point = Point2 { x_m: 3.0, y_m: 4.0 };
+    let hint = PositionHint { point, radius_m: 1.0, floor: 0, time_ns: 0, direction: None };
     positioner.hint(hint).expect("the place is on the plan");
     positioner
 }

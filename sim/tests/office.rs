@@ -34,7 +34,9 @@ fn scored(floor: &Arc<FloorIndex>, recipe: Recipe, walk: &Recorded, seed: u64) -
     let start = walk.truth[0];
     let point = start.position + Point2::new(off_m(), off_m());
     let mut positioner = Positioner::new(floor.clone(), recipe, seed);
-    positioner.hint(PositionHint { point, radius_m: RADIUS_M, floor: 0, time: start.time }).unwrap();
+    positioner
+        .hint(PositionHint { point, radius_m: RADIUS_M, floor: 0, time: start.time, direction: None })
+        .unwrap();
     let mut due = start.time + Duration::from_millis(5_000);
     let mut fixes = Vec::new();
     for sample in &walk.samples {

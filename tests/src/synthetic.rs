@@ -195,7 +195,7 @@ impl Recorded {
     /// A hint at the walk's start, `off` the truth.
     pub fn hint(&self, off: Point2) -> Option<PositionHint> {
         let Waypoint { time, point } = *self.waypoints.first()?;
-        Some(PositionHint { point: point + off, radius_m: 1.5, floor: FLOOR_ORDINAL, time })
+        Some(PositionHint { point: point + off, radius_m: 1.5, floor: FLOOR_ORDINAL, time, direction: None })
     }
 
     /// The walk as a surveyor's.

@@ -49,7 +49,13 @@ fn errors_m(index: &Arc<FloorIndex>, recipe: &Recipe, seed: u64, walk: &Walk) ->
     let start = waypoints[0];
     let point = start.point + Point2::new(0.9, -0.6);
     positioner
-        .hint(PositionHint { point, radius_m: 2.0, floor: index.map().ordinal, time: start.time })
+        .hint(PositionHint {
+            point,
+            radius_m: 2.0,
+            floor: index.map().ordinal,
+            time: start.time,
+            direction: None,
+        })
         .unwrap();
     let mut samples = walk.samples.iter().peekable();
     waypoints[1..]

@@ -230,7 +230,7 @@ fn a_phone_on_a_table_for_an_hour_makes_no_step_and_moves_no_fix() {
     let floor = FloorIndex::new(FloorMap { name: "F1".into(), plan, ..FloorMap::default() });
     let mut positioner = Positioner::new(Arc::new(floor), Recipe::fused(), 1);
     let point = Point2::new(12.0, 7.5);
-    positioner.hint(PositionHint { point, radius_m: 1.0, floor: 0, time: at(0.0) }).unwrap();
+    positioner.hint(PositionHint { point, radius_m: 1.0, floor: 0, time: at(0.0), direction: None }).unwrap();
     let before = positioner.fix().unwrap();
     let mut chance = Chance(5);
     for k in 0..3_600 * 50 {

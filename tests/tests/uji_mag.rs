@@ -76,7 +76,9 @@ fn fused_follows_walks_on_the_map_of_the_lines() {
         let waypoints = survey.waypoints();
         let mut positioner = Positioner::new(Arc::clone(&index), Recipe::fused(), 1);
         let point = waypoints[0].point + Point2::new(0.9, -0.6);
-        positioner.hint(PositionHint { point, radius_m: 2.0, floor: 0, time: waypoints[0].time }).unwrap();
+        positioner
+            .hint(PositionHint { point, radius_m: 2.0, floor: 0, time: waypoints[0].time, direction: None })
+            .unwrap();
         // Halfway along the last segment, where no waypoint is near.
         let [from, to] = waypoints.last_chunk::<2>().unwrap();
         let (time, place) = (from.time.midpoint(to.time), from.point.lerp(to.point, 0.5));

@@ -22,7 +22,10 @@ const PAGE_BYTES: u64 = 0x4000;
 /// What an app pays for on nearly every phone, at most.
 const MAX_ARM64_BYTES: u64 = 1_500_000;
 /// What exported names begin with: functions that Kotlin calls, and descriptions of them.
-const EXPORTS: [&str; 3] = ["uniffi_fieldwalk_ffi_", "ffi_fieldwalk_ffi_", "UNIFFI_META_"];
+const EXPORTS: [&str; 4] =
+    ["uniffi_fieldwalk_ffi_", "ffi_fieldwalk_ffi_", "UNIFFI_META_", "Java_org_fieldwalk_"];
+/// The function that the sensors' loop calls; without it Kotlin takes the way that makes garbage.
+const SENSOR_LOOP: &str = "Java_org_fieldwalk_SensorLoop_pushOverJni";
 /// And the unwinder's own, which the crate exports; a library finds its own before those of others.
 const UNWINDER: &str = "_Unwind_";
 
@@ -110,6 +113,9 @@ fn faults(abi: &Abi, bytes: u64, library: &SharedLibrary) -> Vec<String> {
     if !library.exports.iter().any(is_ours) {
         faults.push("it exports nothing that Kotlin calls".into());
     }
+    if !library.exports.iter().any(|name| name == SENSOR_LOOP) {
+        faults.push(format!("it does not export {SENSOR_LOOP}"));
+    }
     if abi.name == "arm64-v8a" && bytes > MAX_ARM64_BYTES {
         faults.push(format!("{bytes} bytes are more than {MAX_ARM64_BYTES}"));
     }
@@ -143,7 +149,7 @@ mod tests {
             soname: Some(LIBRARY.into()),
             needed: vec!["libc.so".into()],
             has_text_relocations: false,
-            exports: vec!["uniffi_fieldwalk_ffi_fn_func_version".into()],
+            exports: vec!["uniffi_fieldwalk_ffi_fn_func_version".into(), SENSOR_LOOP.into()],
             imports: Vec::new(),
         }
     }
@@ -164,7 +170,16 @@ mod tests {
             imports: Vec::new(),
         };
         let faults = faults(&ABIS[0], MAX_ARM64_BYTES + 1, &bad).join("\n");
-        for word in ["0x1000", "SONAME", "libgcc_s", "text relocations", "personality", "Kotlin", "1500001"] {
+        for word in [
+            "0x1000",
+            "SONAME",
+            "libgcc_s",
+            "text relocations",
+            "personality",
+            "Kotlin",
+            "pushOverJni",
+            "1500001",
+        ] {
             assert!(faults.contains(word), "{word}: {faults}");
         }
     }

@@ -146,7 +146,8 @@ impl From<PositionError> for ApiError {
             PositionError::BadHint => api_error!(
                 BadHint,
                 "the hint is not a place on this plan",
-                "check that its point is in metres in the floor's frame, and its radius from 0.1 to 1000 m"
+                "check that its point is in metres in the floor's frame, its radius from 0.1 to 1000 m, and the standard \
+                 deviation of its direction from 0.01 to π rad"
             ),
             PositionError::TimeInPast { .. } => api_error!(
                 TimeInPast,

@@ -9,7 +9,8 @@ use fieldwalk_batch::SampleBatchWriter;
 use fieldwalk_ffi::{BuildingMap, PositionHint, Recorder, RecordingDetails, Surveyor, Waypoint};
 use fieldwalk_sim::building::{Aisle, GridBuilding};
 use fieldwalk_sim::magnetic_field::SteelParams;
-use fieldwalk_sim::scenario::{Recorded, Scenario};
+use fieldwalk_sim::phone::CarryMode;
+use fieldwalk_sim::scenario::{Recorded, Scenario, Walk};
 
 /// A walk as an app records it.
 pub struct AppWalk {
@@ -22,6 +23,7 @@ pub struct Office {
     pub plan: Vec<u8>,
     pub surveys: Vec<AppWalk>,
     pub walk: AppWalk,
+    scenario: Scenario,
 }
 
 pub static OFFICE: LazyLock<Office> = LazyLock::new(|| {
@@ -41,8 +43,20 @@ pub static OFFICE: LazyLock<Office> = LazyLock::new(|| {
         plan: fieldwalk_formats::write_plan(&scenario.building.plan).into_bytes(),
         surveys: scenario.survey_walks().iter().map(recorded).collect(),
         walk: recorded(&scenario.test_walks(1, 30.0)[0]),
+        scenario,
     }
 });
+
+impl Office {
+    /// The longest survey walk again, the phone carried from so many seconds on in each way.
+    pub fn carried(&self, carrying: &[(f64, CarryMode)]) -> AppWalk {
+        let walks = self.scenario.survey_walks();
+        let length_m =
+            |walk: &Walk| walk.path.windows(2).map(|pair| pair[0].distance_m(pair[1])).sum::<f64>();
+        let longest = walks.iter().max_by(|a, b| length_m(a).total_cmp(&length_m(b))).unwrap();
+        AppWalk::from(self.scenario.simulate(&Walk { carrying: carrying.to_vec(), ..longest.clone() }))
+    }
+}
 
 /// The office, surveyed.
 pub static SURVEYED: LazyLock<Arc<BuildingMap>> = LazyLock::new(|| {
@@ -80,7 +94,7 @@ impl AppWalk {
     /// The start, known to 2 m.
     pub fn hint(&self) -> PositionHint {
         let Waypoint { time_ns, point } = self.waypoints[0];
-        PositionHint { point, radius_m: 2.0, floor: 0, time_ns }
+        PositionHint { point, radius_m: 2.0, floor: 0, time_ns, direction: None }
     }
 }
 

@@ -113,7 +113,7 @@ impl Replays<'_> {
             };
             if let Some(point) = start.filter(|_| !is_started) {
                 let radius_m = self.arguments.start_radius;
-                let hint = PositionHint { point, radius_m, floor: map.ordinal, time };
+                let hint = PositionHint { point, radius_m, floor: map.ordinal, time, direction: None };
                 recorder.hint(hint).map_err(|_| off_plan(map, point, trace))?;
                 is_started = true;
             }

@@ -11,6 +11,13 @@ pub enum Start {
         /// How far off, in metres; 0.1 to 1000.
         radius_m: f64,
     },
+    /// As [`Start::Known`], and the direction of the first metres ± `off_deg`, uniform and seeded.
+    Facing {
+        /// How far off, in metres; 0.1 to 1000.
+        radius_m: f64,
+        /// How far off the direction is, in degrees; 1 to 180.
+        off_deg: f64,
+    },
     /// Nothing.
     Cold,
 }
@@ -20,6 +27,9 @@ impl Start {
     pub fn in_words(self) -> String {
         match self {
             Self::Known { radius_m } => format!("start known to ± {radius_m} m"),
+            Self::Facing { radius_m, off_deg } => {
+                format!("start known to ± {radius_m} m and ± {off_deg}°")
+            }
             Self::Cold => "start unknown".into(),
         }
     }
@@ -29,6 +39,7 @@ impl fmt::Display for Start {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Known { radius_m } => write!(f, "known:{radius_m}"),
+            Self::Facing { radius_m, off_deg } => write!(f, "known:{radius_m}:{off_deg}"),
             Self::Cold => f.write_str("cold"),
         }
     }
@@ -41,13 +52,21 @@ impl FromStr for Start {
         if text == "cold" {
             return Ok(Self::Cold);
         }
-        let radius = text.strip_prefix("known:").and_then(|radius| radius.parse().ok());
-        match radius.filter(|radius_m| (0.1..=1_000.0).contains(radius_m)) {
-            Some(radius_m) => Ok(Self::Known { radius_m }),
-            None => {
-                Err("expected `cold` or `known:R` with R from 0.1 to 1000 metres, such as known:2".into())
-            }
-        }
+        let known = || {
+            let (radius, angle) = text.strip_prefix("known:")?.split_once(':').map_or_else(
+                || text.strip_prefix("known:").map(|radius| (radius, None)),
+                |(radius, angle)| Some((radius, Some(angle))),
+            )?;
+            let radius_m = radius.parse().ok().filter(|m| (0.1..=1_000.0).contains(m))?;
+            let Some(angle) = angle else { return Some(Self::Known { radius_m }) };
+            let off_deg = angle.parse().ok().filter(|deg| (1.0..=180.0).contains(deg))?;
+            Some(Self::Facing { radius_m, off_deg })
+        };
+        known().ok_or_else(|| {
+            "expected `cold`, `known:R` or `known:R:A` with R from 0.1 to 1000 metres and A from 1 to 180 degrees, such as \
+             known:2 or known:2:10"
+                .into()
+        })
     }
 }
 
@@ -57,10 +76,22 @@ mod tests {
 
     #[test]
     fn a_start_reads_as_it_prints() {
-        for text in ["cold", "known:2", "known:0.1", "known:12.5"] {
+        for text in ["cold", "known:2", "known:0.1", "known:12.5", "known:2:10"] {
             assert_eq!(text.parse::<Start>().map(|start| start.to_string()), Ok(text.to_string()));
         }
-        for wrong in ["", "known", "known:", "known:0", "known:-2", "known:nan", "known:1e9", "warm"] {
+        for wrong in [
+            "",
+            "known",
+            "known:",
+            "known:0",
+            "known:-2",
+            "known:nan",
+            "known:1e9",
+            "known:2:",
+            "known:2:0",
+            "known:2:10:3",
+            "warm",
+        ] {
             assert!(wrong.parse::<Start>().unwrap_err().contains("known:2"), "{wrong}");
         }
     }

@@ -8,7 +8,7 @@ use fieldwalk::floor_plan::Georeference;
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
 use fieldwalk::metrics::ScoredFix;
-use fieldwalk::positioner::{PositionHint, Positioner};
+use fieldwalk::positioner::{HintedDirection, PositionHint, Positioner};
 use fieldwalk::random::CounterRng;
 use fieldwalk::sensor::Sample;
 use fieldwalk::survey::{SurveyTrack, Waypoint};
@@ -111,7 +111,7 @@ pub fn record(
     name: &str,
 ) -> Walk {
     let mut recorder = WalkRecorder::new(floor, recipes, seed);
-    if let Some(hint) = hint(start, seed, floor.map().ordinal, walk.start) {
+    if let Some(hint) = hint(start, seed, floor.map().ordinal, walk) {
         // A start off the plan is refused; the walk is then played as it was scored, without.
         let _ = recorder.hint(hint);
     }
@@ -136,7 +136,7 @@ pub fn score(
     walk: &TestWalk,
 ) -> WalkScore {
     let mut positioner = Positioner::new(Arc::clone(floor), recipe.clone(), seed);
-    let hint = hint(start, seed, floor.map().ordinal, walk.start);
+    let hint = hint(start, seed, floor.map().ordinal, walk);
     let is_start_refused = hint.is_some_and(|hint| positioner.hint(hint).is_err());
     let mut result = WalkScore { is_start_refused, ..WalkScore::default() };
     let mut samples = walk.samples.iter().peekable();
@@ -166,7 +166,7 @@ pub fn fixes(
     walk: &TestWalk,
 ) -> Vec<Option<Point2>> {
     let mut positioner = Positioner::new(Arc::clone(floor), recipe.clone(), seed);
-    if let Some(hint) = hint(start, seed, floor.map().ordinal, walk.start) {
+    if let Some(hint) = hint(start, seed, floor.map().ordinal, walk) {
         // As in `score`: a start off the plan is refused.
         let _ = positioner.hint(hint);
     }
@@ -180,13 +180,32 @@ pub fn fixes(
     walk.truth.iter().map(at).collect()
 }
 
-/// The truth, off by up to the radius along each axis.
-fn hint(start: Start, seed: u64, floor: i32, truth: Waypoint) -> Option<PositionHint> {
-    let Start::Known { radius_m } = start else { return None };
+/// The direction of a walk's start is that to the first truth point so far away, in metres: three steps.
+const FIRST_WAY_M: f64 = 2.0;
+
+/// The truth, off by up to the radius along each axis, and the first way, off by up to the angle.
+fn hint(start: Start, seed: u64, floor: i32, walk: &TestWalk) -> Option<PositionHint> {
+    let truth = walk.start;
+    let radius_m = match start {
+        Start::Known { radius_m } | Start::Facing { radius_m, .. } => radius_m,
+        Start::Cold => return None,
+    };
     let mut rng = CounterRng::new(seed, truth.time.as_nanos() as u64);
     let mut off_m = || rng.random_range(-radius_m..=radius_m);
     let off = Point2::new(off_m(), off_m());
-    Some(PositionHint { point: truth.point + off, radius_m, floor, time: truth.time })
+    let direction = match start {
+        Start::Facing { off_deg, .. } => {
+            let off_rad = off_deg.to_radians();
+            let angle_rad = rng.random_range(-off_rad..=off_rad);
+            // That of a number uniform to either side.
+            let sd_rad = off_rad / 3.0_f64.sqrt();
+            let way =
+                walk.truth.iter().map(|t| t.point - truth.point).find(|way| way.norm_m() >= FIRST_WAY_M);
+            way.map(|way| HintedDirection { heading_rad: way.heading_rad() + angle_rad, sd_rad })
+        }
+        _ => None,
+    };
+    Some(PositionHint { point: truth.point + off, radius_m, floor, time: truth.time, direction })
 }
 
 #[cfg(test)]
@@ -195,16 +214,17 @@ mod tests {
 
     #[test]
     fn a_known_start_is_off_by_the_radius_at_most_and_differs_by_seed() {
-        let truth = Waypoint { time: Timestamp::from_millis(7), point: Point2::new(10.0, 20.0) };
+        let start = Waypoint { time: Timestamp::from_millis(7), point: Point2::new(10.0, 20.0) };
+        let walk = TestWalk { samples: Vec::new(), start, truth: Vec::new(), line: Truth::default() };
         let points: Vec<Point2> = (0..100)
-            .filter_map(|seed| hint(Start::Known { radius_m: 2.0 }, seed, 0, truth))
-            .map(|hint| hint.point - truth.point)
+            .filter_map(|seed| hint(Start::Known { radius_m: 2.0 }, seed, 0, &walk))
+            .map(|hint| hint.point - start.point)
             .collect();
         assert!(points.iter().all(|off| off.x_m.abs() <= 2.0 && off.y_m.abs() <= 2.0));
         // Uniform: the spread along an axis is 2/√3 = 1.15 m.
         let spread_m = (points.iter().map(|off| off.x_m * off.x_m).sum::<f64>() / 100.0).sqrt();
         assert!((1.0..1.3).contains(&spread_m), "{spread_m}");
         assert!(points[0] != points[1]);
-        assert_eq!(hint(Start::Cold, 1, 0, truth), None);
+        assert_eq!(hint(Start::Cold, 1, 0, &walk), None);
     }
 }

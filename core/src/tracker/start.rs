@@ -1,5 +1,7 @@
 //! Where particles begin, which way they face, and how they begin anew when all have died.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::Point2;
 use crate::observation::candidates::SearchArea;
 use crate::observation::radio::{RadioObservation, log_likelihood};
@@ -18,6 +20,23 @@ const RECOVERY_RADIUS_M: f64 = 3.0;
 const START_TRANSMITTERS: usize = 3;
 /// So many steps are waited for them.
 const START_WAIT_STEPS: u32 = 8;
+
+/// The direction in which somebody said that the walker goes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct ToldDirection {
+    /// Clockwise from the floor's y axis, and its standard deviation, in radians.
+    pub heading_rad: f32,
+    pub sd_rad: f32,
+    /// The device's level heading at that time; the first step's where that was not known yet.
+    pub level_rad: Option<f32>,
+}
+
+impl ToldDirection {
+    /// Walking direction minus level heading, in radians.
+    fn offset_rad(&self, event: &StepEvent) -> f32 {
+        self.heading_rad - self.level_rad.unwrap_or(event.level_heading_rad)
+    }
+}
 
 impl Tracker {
     /// Whether a start without a hint is better put off: too little radio was heard yet, and more may come.
@@ -156,11 +175,13 @@ impl Tracker {
             y_m.push((centre.y_m + jitter_m(bits[1])) as f32);
         }
         self.occupy(x_m, y_m);
+        self.state.told = None;
         self.state.search = Some(SearchArea::EVERYWHERE);
         self.state.is_start_unknown = matches!(self.recipe.start, StartRule::Circle { .. });
     }
 
-    /// Faces the particles by the compass of their first step, corrected by the map; anywhere without a compass.
+    /// Faces the particles as somebody told, else by the compass of their first step, corrected by the map; anywhere
+    /// without a compass.
     pub(super) fn orient(&mut self, event: &StepEvent) {
         self.state.is_oriented = true;
         if let HeadingRule::Pathway(_) = self.recipe.motion.heading {
@@ -175,20 +196,22 @@ impl Tracker {
         let (seed, step) = (self.seed, self.state.n_steps);
         let n_directions = self.directions_and_number().0;
         let azimuth_rad = event.azimuth_rad().filter(|_| !self.state.is_start_unknown);
+        let told = self.state.told;
         let particles = &mut self.state.particles;
         particles.heading_offset_rad.clear();
         for i in 0..particles.x_m.len() {
             let bits = draw(seed, step, i as u32, Purpose::Genes);
-            let offset = match azimuth_rad {
-                Some(azimuth) => {
+            let offset = match (told, azimuth_rad) {
+                (Some(told), _) => told.offset_rad(event) + told.sd_rad * self.normal.sample(bits[2]),
+                (None, Some(azimuth)) => {
                     let deviation =
                         self.floor.nearest(deviations, particles.x_m[i], particles.y_m[i]).unwrap_or(0.0);
                     azimuth + deviation - event.level_heading_rad + start_sd_rad * self.normal.sample(bits[2])
                 }
-                None if self.state.is_start_unknown => {
+                (None, None) if self.state.is_start_unknown => {
                     core::f32::consts::TAU * (i % n_directions) as f32 / n_directions as f32
                 }
-                None => core::f32::consts::TAU * uniform(bits[2]),
+                (None, None) => core::f32::consts::TAU * uniform(bits[2]),
             };
             particles.heading_offset_rad.push(offset);
         }

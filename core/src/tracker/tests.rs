@@ -54,6 +54,30 @@ fn a_turn_shortens_the_step_that_it_falls_in() {
 }
 
 #[test]
+fn the_first_step_goes_where_somebody_told() {
+    for recipe in [Recipe::dead_reckoning(), Recipe::ibill(), Recipe::dtw()] {
+        let name = recipe.name.clone();
+        let mut tracker = Tracker::new(recipe, Arc::new(slope()), 1);
+        // The device's level heading is π/2 at the step.
+        let mut heading_rad = |told_rad: f64, level_rad: Option<f32>| {
+            let start = Point2::new(20.0, 10.0);
+            tracker.place(start, 0.1);
+            tracker.face(told_rad, 0.02, level_rad);
+            tracker.step(&step(0), &[]);
+            let estimate = tracker.estimate().unwrap();
+            (Point2::new(estimate.x_m, estimate.y_m) - start).heading_rad()
+        };
+        // Told before anything was heard, then when the device had half a radian yet to turn.
+        for (told_rad, level_rad, expected_rad) in
+            [(0.3, None, 0.3), (-2.0, None, -2.0), (1.0, Some(core::f32::consts::FRAC_PI_2 - 0.5), 1.5)]
+        {
+            let off_rad = wrap_rad(heading_rad(told_rad, level_rad) - expected_rad);
+            assert!(off_rad.abs() < 0.15, "{name}: {told_rad} {off_rad}");
+        }
+    }
+}
+
+#[test]
 fn mass_centred_weights_last_until_particles_are_resampled() {
     let recipe = Recipe { n_particles: 60, resample_below: 0.0, ..Recipe::mass_centered() };
     let MagneticRule::MassCentered(params) = recipe.magnetic else { panic!("another weight") };

@@ -64,12 +64,7 @@ public actor PositioningSession {
                 try? positioner.flush()
                 continuation.finish()
             })
-        continuation.onTermination = { [weak run] _ in
-            // Not here: a task that is cancelled holds its own lock now, a sensor that delivers meanwhile holds the run's,
-            // and each would wait for the other.
-            guard let run else { return }
-            DispatchQueue.global().async { run.end() }
-        }
+        run.endWithReader(of: continuation)
         self.run = run
         try run.begin()
         return stream

@@ -65,6 +65,16 @@ package final class SensorRun: @unchecked Sendable {
         finish(failure)
     }
 
+    /// Ends the run, soon, when nobody reads the stream of `continuation` any more.
+    package func endWithReader<Element>(of continuation: AsyncStream<Element>.Continuation) {
+        continuation.onTermination = { [weak self] _ in
+            // Not here: a task that is cancelled holds its own lock now, a sensor that delivers meanwhile holds the run's,
+            // and each would wait for the other.
+            guard let self else { return }
+            DispatchQueue.global().async { self.end() }
+        }
+    }
+
     private func take(_ sample: SensorSample) {
         let hasFailed = lock.withLock {
             if over { return false }

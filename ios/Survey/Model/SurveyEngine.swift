@@ -47,7 +47,7 @@ public struct PlanLines: Sendable, Equatable {
 public struct WalkProgress: Sendable, Equatable {
     /// Steps seen since it began or was resumed.
     public var nSteps: Int
-    /// What to do about sensors that are missing.
+    /// What to do about a phone that is not carried as a survey needs it, and about sensors that are missing.
     public var remedies: [String]
 
     public init(nSteps: Int, remedies: [String]) {

@@ -170,7 +170,7 @@ public struct SurveyState: Sendable, Equatable {
     public var taps: [Point2] = []
     /// Steps since then.
     public var nSteps = 0
-    /// What to do about sensors that are missing.
+    /// What to do about a phone that is not carried as a survey needs it, and about sensors that are missing.
     public var remedies: [String] = []
     /// Walks that the map will use, and their length together.
     public var nWalks = 0

@@ -47,7 +47,9 @@ public final class SurveyorEngine: SurveyEngine {
 
     public func progress() throws -> WalkProgress {
         let status = try surveyor.status()
-        return WalkProgress(nSteps: Int(status.nSteps), remedies: status.missing.map(\.remedy))
+        // How the phone is carried comes first: the surveyor mends it in the next step.
+        let remedies = [status.carryWarning?.remedy].compactMap { $0 } + status.missing.map(\.remedy)
+        return WalkProgress(nSteps: Int(status.nSteps), remedies: remedies)
     }
 
     public func coverage() throws -> CoverageGrid {

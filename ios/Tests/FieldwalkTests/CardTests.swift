@@ -52,6 +52,37 @@ struct CardTests {
         #expect(await eventually { ended.isRaised })
     }
 
+    /// The frames that every build of the card's firmware makes; `firmware/golden/README.md` describes them.
+    @Test func theGoldenFramesAreReadAsInRust() throws {
+        var golden = URL(fileURLWithPath: #filePath)
+        for _ in 0..<4 { golden.deleteLastPathComponent() }
+        golden.appendPathComponent("firmware/golden")
+        let lines = { (name: String) in
+            try String(contentsOf: golden.appendingPathComponent(name), encoding: .utf8).split(separator: "\n").map(String.init)
+        }
+        let decoder = CardDecoder()
+        let rounds = try lines("walk-01.frames.txt").map { sent in
+            let digits = Array(sent.drop { $0 != " " }.dropFirst())
+            let bytes = stride(from: 0, to: digits.count, by: 2).map { UInt8(String(digits[$0...$0 + 1]), radix: 16)! }
+            return line(of: try decoder.decodeAdvertisement(advertisement: Data(bytes)))
+        }
+        #expect(rounds.count == 59)
+        #expect(try rounds == lines("walk-01.rounds.txt"))
+    }
+
+    private func line(of round: CardRound) -> String {
+        let flags = [round.isRepeated, round.isCalibrated, round.justWoke, round.isBatteryLow].map { $0 ? "1" : "0" }
+        let thirds = [
+            round.verticalFieldUt, round.horizontalFieldUt, round.previousStrengthUt, round.accelerationMaxMS2,
+            round.accelerationMinMS2, [round.orientationRad],
+        ]
+        let bits = thirds.joined().map { value in
+            value.map { String($0.bitPattern, radix: 16) }.map { String(repeating: "0", count: 8 - $0.count) + $0 } ?? "-"
+        }
+        let numbers = ["\(round.cardId)", "\(round.sequence)", round.nLost.map { "\($0)" } ?? "-"]
+        return (numbers + flags + [round.batteryMv.map { "\($0)" } ?? "-"] + bits).joined(separator: " ")
+    }
+
     private func fixesOfFrames() throws -> [Fix] {
         let positioner = try Positioner(map: Walk.openMap(), floor: 0, options: options)
         try positioner.hint(hint: Walk.start)
@@ -71,12 +102,4 @@ struct CardTests {
         manufacturer[6] ^= 1
         return CardSighting(manufacturerData: manufacturer, rssiDbm: -60, timeNs: sighting.timeNs) ?? sighting
     }
-}
-
-/// Raised once, on any thread.
-private final class Flag: @unchecked Sendable {
-    private let lock = NSLock()
-    private var raised = false
-    func raise() { lock.withLock { raised = true } }
-    var isRaised: Bool { lock.withLock { raised } }
 }

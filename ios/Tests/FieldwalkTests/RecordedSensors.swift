@@ -64,3 +64,11 @@ func eventually(_ condition: () -> Bool) async -> Bool {
     }
     return false
 }
+
+/// Raised once, on any thread.
+final class Flag: @unchecked Sendable {
+    private let lock = NSLock()
+    private var raised = false
+    func raise() { lock.withLock { raised = true } }
+    var isRaised: Bool { lock.withLock { raised } }
+}

@@ -60,6 +60,36 @@ struct SessionTests {
         #expect(await eventually { sensors.nRunning == 0 })
     }
 
+    /// Otherwise the two would wait for each other: the sensor's thread holds the run and wants to wake the task, which is being
+    /// cancelled and wants the run to end.
+    @Test func aCancellationDoesNotWaitForASensorThatDelivers() async throws {
+        let (stream, continuation) = AsyncStream.makeStream(of: Int.self)
+        let (isReading, isCancelled, didNotWait) = (Flag(), Flag(), Flag())
+        let reader = Task { for await _ in stream { isReading.raise() } }
+        continuation.yield(0)
+        #expect(await eventually { isReading.isRaised })
+        let sensors = RecordedSensors([.pressure(timeNs: 0, hpa: 1000)])
+        let run = SensorRun(
+            sensors: [sensors], latency: 0,
+            push: { _ in
+                // A sensor delivers; meanwhile, on another thread, the task is cancelled. Half a minute is for a busy machine.
+                Thread.detachNewThread {
+                    reader.cancel()
+                    isCancelled.raise()
+                }
+                for _ in 0..<3000 where !isCancelled.isRaised { Thread.sleep(forTimeInterval: 0.01) }
+                guard isCancelled.isRaised else { return }
+                didNotWait.raise()
+                continuation.yield(1)
+            },
+            finish: { _ in continuation.finish() })
+        run.endWithReader(of: continuation)
+        try run.begin()
+        await reader.value
+        #expect(await eventually { run.isOver && sensors.nRunning == 0 })
+        #expect(didNotWait.isRaised)
+    }
+
     @Test func aSessionThatNobodyHoldsStopsItsSensors() async throws {
         let sensors = RecordedSensors(isRepeating: true)
         var session: PositioningSession? = try session([sensors])

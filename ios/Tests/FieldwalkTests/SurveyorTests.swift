@@ -42,6 +42,31 @@ struct SurveyorTests {
         #expect(try positioner.pushSamples(batch: batchOf(Walk.samples)).count > 50)
     }
 
+    @Test func aPhoneThatIsNotHeldLevelIsWarnedOf() async throws {
+        #expect(try await said(of: Walk.samples.compactMap(\.sample)).remedies.isEmpty)
+        // The same phone held as to take a picture.
+        let upright = Walk.samples.compactMap(\.sample).map { sample -> SensorSample in
+            switch sample {
+            case .specificForce(let timeNs, let v): .specificForce(timeNs: timeNs, vectorMS2: [v.x, v.z, -v.y])
+            case .angularRate(let timeNs, let v): .angularRate(timeNs: timeNs, vectorRadS: [v.x, v.z, -v.y])
+            default: sample
+            }
+        }
+        let remedy = try await said(of: upright).remedies.first
+        #expect(remedy == "hold the phone level, the screen up and the top edge ahead")
+    }
+
+    /// What is said in the middle of a walk in which the phone feels `samples`.
+    private func said(of samples: [SensorSample]) async throws -> SurveyState {
+        let hand = Hand()
+        let walks = SurveyWalks(engine: try engine(), sensors: [hand], nowNs: { hand.nowNs })
+        await walks.beginWalk()
+        samples.forEach { hand.deliver($0) }
+        let state = await walks.look()
+        #expect(state.nSteps > 30)
+        return state
+    }
+
     @Test func aWalkWithoutStepsSaysWhatToDo() async throws {
         let walks = SurveyWalks(engine: try engine(), sensors: [], nowNs: { 1 })
         await walks.beginWalk()

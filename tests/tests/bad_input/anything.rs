@@ -2,7 +2,7 @@
 
 use fieldwalk::floor_plan::FloorPlan;
 use fieldwalk::geometry::Point2;
-use fieldwalk::positioner::PositionHint;
+use fieldwalk::positioner::{HintedDirection, PositionHint};
 use fieldwalk::sensor::{RadioSighting, Reading, Sample, TransmitterId};
 use fieldwalk::survey::{SurveyParams, SurveyWalk, Waypoint, build_floor};
 use fieldwalk::system::Recipe;
@@ -65,6 +65,8 @@ fn any_happening() -> impl Strategy<Value = Happening> {
             radius_m,
             floor: FLOOR_ORDINAL,
             time: Timestamp::from_nanos(ns),
+            // Any number is some direction or none.
+            direction: (ns % 2 == 0).then_some(HintedDirection { heading_rad: x_m, sd_rad: radius_m }),
         })),
         1 => Just(Happening::Flush),
     ]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fieldwalk::floor_plan::FloorPlan;
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::FloorIndex;
-use fieldwalk::positioner::{Mode, PositionError, PositionHint, Positioner};
+use fieldwalk::positioner::{HintedDirection, Mode, PositionError, PositionHint, Positioner};
 use fieldwalk::survey::{SurveyParams, build_floor};
 use fieldwalk::system::Recipe;
 use fieldwalk::time::{Duration, Timestamp};
@@ -17,6 +17,10 @@ use crate::{WORLD, assert_sound, fixes, followers, fresh, hint, placed, recipes,
 fn hints_that_make_no_sense_are_refused_and_change_nothing() {
     let off_plan = |x_m, y_m| PositionHint { point: Point2::new(x_m, y_m), ..hint() };
     let radius = |radius_m| PositionHint { radius_m, ..hint() };
+    let direction = |heading_rad, sd_rad| PositionHint {
+        direction: Some(HintedDirection { heading_rad, sd_rad }),
+        ..hint()
+    };
     let bad = [
         off_plan(f64::NAN, 3.0),
         off_plan(3.0, f64::NAN),
@@ -30,6 +34,12 @@ fn hints_that_make_no_sense_are_refused_and_change_nothing() {
         radius(-1.0),
         radius(0.05),
         radius(1_001.0),
+        direction(f64::NAN, 0.1),
+        direction(f64::INFINITY, 0.1),
+        direction(1.0, f64::NAN),
+        direction(1.0, 0.0),
+        direction(1.0, -0.1),
+        direction(1.0, 3.2),
     ];
     for recipe in recipes() {
         let mut positioner = placed(&recipe);

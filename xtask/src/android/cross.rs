@@ -13,8 +13,17 @@ pub const REMEDY: &str = "with an NDK: cargo install cargo-ndk, and set ANDROID_
                           apt-get install clang-22 lld-22 llvm-22 rustc-web cargo-web rust-web-src";
 /// The library's file, and the name that it has for the loader.
 pub const LIBRARY: &str = "libfieldwalk_ffi.so";
-const PACKAGE: [&str; 7] =
-    ["--package", "fieldwalk-ffi", "--lib", "--profile", "phone", "--crate-type", "cdylib"];
+const PACKAGE: [&str; 9] = [
+    "--package",
+    "fieldwalk-ffi",
+    "--lib",
+    "--features",
+    "jni",
+    "--profile",
+    "phone",
+    "--crate-type",
+    "cdylib",
+];
 /// Debian's compiler for targets that rustup is not there to fetch.
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";

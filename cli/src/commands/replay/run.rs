@@ -158,7 +158,8 @@ impl Replay {
         trace: &Path,
     ) -> Result<(), Stop> {
         let map = self.floor.map();
-        let hint = PositionHint { point, radius_m: self.start_radius_m, floor: map.ordinal, time };
+        let hint =
+            PositionHint { point, radius_m: self.start_radius_m, floor: map.ordinal, time, direction: None };
         positioner.hint(hint).map_err(|_| off_plan(map, point, trace))
     }
 }

@@ -43,6 +43,13 @@ class Record(private val fields: List<String>) {
     /** The same reading at another time. */
     fun at(timeNs: Long) = Record(listOf("$timeNs") + fields.drop(1))
 
+    /** The same reading of a phone that is held otherwise: `turn` takes a vector of its frame to the other's. */
+    fun turned(turn: (List<Float>) -> List<Float>): Record {
+        val nVectors = mapOf("specific_force" to 1, "angular_rate" to 1, "magnetic_field" to 1, "uncalibrated_magnetic_field" to 2)
+        val turned = (0..<(nVectors[kind] ?: return this)).flatMap { k -> turn(List(3) { float(2 + 3 * k + it) }) }
+        return Record(fields.take(2) + turned.map { "%08x".format(it.toRawBits()) })
+    }
+
     fun addTo(batch: SampleBatch) = when (kind) {
         "specific_force" -> batch.specificForce(timeNs, float(2), float(3), float(4))
         "angular_rate" -> batch.angularRate(timeNs, float(2), float(3), float(4))

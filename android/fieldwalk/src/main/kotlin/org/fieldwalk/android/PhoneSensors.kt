@@ -17,23 +17,34 @@ import java.nio.ByteBuffer
  *
  * A positioner has its own; this is for apps that survey or record. [start] and [stop] may be called from any thread, any
  * number of times.
- *
- * @param ibeaconUuids by which a map knows its beacons, [BuildingMap.ibeaconUuids]; all others are known by their address
- * @param push takes a batch, valid during the call only, on the thread of the sensors; one that throws ends the sensors; it must
- *   not call this object
- * @param pushed called after every batch, free to call anything
- * @param report called every second and at every change with what is in the way, on the thread of the sensors
- * @param fail called once with what [push] threw
  */
-class PhoneSensors(
+class PhoneSensors internal constructor(
     context: Context,
-    private val sensing: Sensing = Sensing(),
-    private val ibeaconUuids: List<ByteArray> = emptyList(),
-    private val push: (ByteBuffer) -> Unit,
-    private val pushed: () -> Unit = {},
-    private val report: (List<Trouble>) -> Unit = {},
-    private val fail: (Throwable) -> Unit = {},
+    private val sensing: Sensing,
+    private val ibeaconUuids: List<ByteArray>,
+    private val sink: BatchSink,
+    private val pushed: () -> Unit,
+    private val report: (List<Trouble>) -> Unit,
+    private val fail: (Throwable) -> Unit,
 ) {
+    /**
+     * @param ibeaconUuids by which a map knows its beacons, [BuildingMap.ibeaconUuids]; all others are known by their address
+     * @param push takes a batch, valid during the call only, on the thread of the sensors; one that throws ends the sensors; it
+     *   must not call this object
+     * @param pushed called after every batch, free to call anything
+     * @param report called every second and at every change with what is in the way, on the thread of the sensors
+     * @param fail called once with what [push] threw
+     */
+    constructor(
+        context: Context,
+        sensing: Sensing = Sensing(),
+        ibeaconUuids: List<ByteArray> = emptyList(),
+        push: (ByteBuffer) -> Unit,
+        pushed: () -> Unit = {},
+        report: (List<Trouble>) -> Unit = {},
+        fail: (Throwable) -> Unit = {},
+    ) : this(context, sensing, ibeaconUuids, BatchSink { push(it.bytes()) }, pushed, report, fail)
+
     private val context = context.applicationContext
     private var session: Session? = null
 
@@ -66,7 +77,7 @@ class PhoneSensors(
     private inner class Session {
         private val thread = HandlerThread("fieldwalk-sensors", Process.THREAD_PRIORITY_MORE_FAVORABLE).also { it.start() }
         private val handler = Handler(thread.looper)
-        val run = SensorRun(sensing.latencyMs, push, pushed, ::end)
+        val run = SensorRun(sensing.latencyMs, sink, pushed, ::end)
         private val motion = MotionSensors(context, sensing, handler, run, ::lookSoon)
         private val beacons = BeaconScanner(context, sensing.beacons, ibeaconUuids, handler, run)
         private val wifi = if (sensing.wifi) WifiScanner(context, handler, run) else null

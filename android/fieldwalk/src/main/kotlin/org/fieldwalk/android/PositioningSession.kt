@@ -15,8 +15,9 @@ import org.fieldwalk.Fix
 import org.fieldwalk.PositionHint
 import org.fieldwalk.Positioner
 import org.fieldwalk.PositionerOptions
+import org.fieldwalk.SampleBatch
+import org.fieldwalk.SensorLoop
 import org.fieldwalk.Status
-import java.nio.ByteBuffer
 import java.util.concurrent.ConcurrentLinkedQueue
 import java.util.concurrent.CopyOnWriteArraySet
 import java.util.concurrent.atomic.AtomicBoolean
@@ -35,8 +36,10 @@ class PositioningSession internal constructor(
     sensing: Sensing,
 ) : AutoCloseable {
     private val positioner = Positioner(map, floor, options)
+    /** Pushes without garbage, where the library can. */
+    private val loop = if (SensorLoop.isSupported) SensorLoop(positioner) else null
     private val sensors =
-        PhoneSensors(context, sensing, map.ibeaconUuids(), ::push, ::handOn, ::report, ::fail)
+        PhoneSensors(context, sensing, map.ibeaconUuids(), BatchSink(::push), ::handOn, ::report, ::fail)
     private val readers = CopyOnWriteArraySet<Reader>()
     private val state = MutableStateFlow(PositioningStatus(isRunning = false, troubles = emptyList()))
     private val lock = Any()
@@ -84,6 +87,7 @@ class PositioningSession internal constructor(
         if (!isClosed) {
             isClosed = true
             stop()
+            loop?.close()
             positioner.close()
         }
     }
@@ -156,8 +160,8 @@ class PositioningSession internal constructor(
     }
 
     /** On the sensors' thread. */
-    private fun push(batch: ByteBuffer) {
-        fresh.addAll(positioner.pushSamples(batch))
+    private fun push(batch: SampleBatch) {
+        fresh.addAll(loop?.push(batch) ?: positioner.pushSamples(batch.bytes()))
     }
 
     /** Gives fixes to whoever reads, in order, without a lock: a reader may stop the session. */

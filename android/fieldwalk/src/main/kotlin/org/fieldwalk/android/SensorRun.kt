@@ -1,7 +1,11 @@
 package org.fieldwalk.android
 
 import org.fieldwalk.SampleBatch
-import java.nio.ByteBuffer
+
+/** Takes batches, one at a time; each is valid during the call only. */
+internal fun interface BatchSink {
+    fun push(batch: SampleBatch)
+}
 
 /**
  * From a start to its end: samples of all sensors, packed and pushed.
@@ -11,11 +15,11 @@ import java.nio.ByteBuffer
  */
 internal class SensorRun(
     latencyMs: Int,
-    /** Takes a batch; when it throws, no further one is given. */
-    private val push: (ByteBuffer) -> Unit,
+    /** When it throws, no further batch is given. */
+    private val sink: BatchSink,
     /** Called after a batch, without the lock. */
     @PublishedApi internal val pushed: () -> Unit,
-    /** Called once, with what [push] threw, under the lock: it must not wait. */
+    /** Called once, with what [sink] threw, under the lock: it must not wait. */
     private val fail: (Throwable) -> Unit,
 ) {
     @PublishedApi internal val lock = Any()
@@ -56,7 +60,7 @@ internal class SensorRun(
     private fun pushBatch(): Boolean {
         if (batch.size == 0 || isOver) return false
         try {
-            push(batch.bytes())
+            sink.push(batch)
         } catch (failure: Exception) {
             isOver = true
             fail(failure)

@@ -7,6 +7,7 @@ import kotlinx.coroutines.launch
 import org.fieldwalk.Fix
 import org.fieldwalk.FixBits
 import org.fieldwalk.PositionHint
+import org.fieldwalk.SensorLoop
 import org.fieldwalk.Walk
 import org.junit.Assert.assertEquals
 import org.junit.Assert.assertTrue
@@ -37,6 +38,7 @@ class RecordedWalkTest {
         val reading = CoroutineScope(Dispatchers.Unconfined)
         reading.launch { session.fixes().collect(::take) }
         assertTrue(session.status.value.isRunning)
+        assertTrue("samples go over JNI", SensorLoop.isSupported)
         var isStarted = false
         for (record in Walk.records) {
             if (record.kind != "waypoint") {

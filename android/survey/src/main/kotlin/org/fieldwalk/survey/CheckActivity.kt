@@ -17,7 +17,6 @@ import org.fieldwalk.PositionHint
 import org.fieldwalk.android.Fieldwalk
 import org.fieldwalk.android.PositioningSession
 import org.fieldwalk.android.SensorClock
-import org.fieldwalk.android.Trouble
 import java.io.IOException
 
 /** The map tried: where it puts the surveyor, and how sure it is. */
@@ -50,7 +49,7 @@ class CheckActivity : Activity() {
                 session = Fieldwalk.positioner(this, map, floor)
             }
         } catch (unreadable: ApiException) {
-            message.text = Trouble.of(unreadable).remedy
+            message.text = texts.remedies.say(unreadable)
             return setContentView(screen(message))
         } catch (_: IOException) {
             return finish()
@@ -62,13 +61,13 @@ class CheckActivity : Activity() {
         super.onStart()
         val session = session ?: return
         collecting = scope.launch {
-            launch { session.status.collect { status -> message.text = status.troubles.firstOrNull()?.remedy.orEmpty() } }
+            launch { session.status.collect { status -> message.text = status.troubles.firstOrNull()?.let { texts.remedies.say(it) }.orEmpty() } }
             try {
                 session.fixes().collect(::show)
             } catch (ended: CancellationException) {
                 throw ended
             } catch (broken: ApiException) {
-                message.text = Trouble.of(broken).remedy
+                message.text = texts.remedies.say(broken)
             }
         }
     }
@@ -90,7 +89,7 @@ class CheckActivity : Activity() {
             session.hint(PositionHint(point, HINT_RADIUS_M, floor, SensorClock.nowNs()))
             show(session.fix())
         } catch (refused: ApiException) {
-            message.text = Trouble.of(refused).remedy
+            message.text = texts.remedies.say(refused)
         }
     }
 

@@ -98,7 +98,8 @@ class SurveyActivity : Activity() {
         text(SurveyIds.SUMMARY, texts.summary(state))
         text(SurveyIds.ADVICE, if (state.canEnd) "${texts.advice(state)} (${texts.steps(state.nSteps)})" else texts.advice(state))
         text(SurveyIds.ACCURACY, state.accuracy?.let { texts.accuracy(it.medianM, it.p90M) }.orEmpty())
-        text(SurveyIds.MESSAGE, (state.warnings.sorted().map(texts::warning) + listOfNotNull(state.message)).joinToString("\n"))
+        val mishap = state.mishap?.let { texts.remedies.say(it) }
+        text(SurveyIds.MESSAGE, (state.warnings.sorted().map(texts::warning) + listOfNotNull(mishap)).joinToString("\n"))
         val shown = mapOf(
             SurveyIds.BEGIN to state.canBegin, SurveyIds.END to state.canEnd, SurveyIds.PAUSE to state.canPause,
             SurveyIds.RESUME to state.canResume, SurveyIds.UNDO_TAP to state.canEnd,

@@ -1,5 +1,6 @@
 package org.fieldwalk.survey
 
+import org.fieldwalk.CarryFault
 import org.fieldwalk.ExpectedAccuracy
 import org.fieldwalk.Point2
 import org.fieldwalk.SurveyCoverage
@@ -7,7 +8,19 @@ import org.fieldwalk.SurveyCoverage
 enum class Phase { IDLE, WALKING, PAUSED, BUILDING }
 
 /** Something that makes a walk worth less. */
-enum class Warning { TOO_FAST, NO_STEPS, CALIBRATION, BLUETOOTH, LOCATION, SENSORS }
+enum class Warning {
+    TOO_FAST, NO_STEPS, NOT_HELD, NOT_UPWARD, NOT_FORWARD, NOT_LEVEL, CALIBRATION, BLUETOOTH, LOCATION, SENSORS;
+
+    companion object {
+        /** What the phone's owner is to be told of the way in which it is carried. */
+        fun of(fault: CarryFault) = when (fault) {
+            CarryFault.NOT_HELD, CarryFault.OTHER -> NOT_HELD
+            CarryFault.NOT_UPWARD -> NOT_UPWARD
+            CarryFault.NOT_FORWARD -> NOT_FORWARD
+            CarryFault.NOT_LEVEL -> NOT_LEVEL
+        }
+    }
+}
 
 /** What the screen shows. */
 data class SurveyState(
@@ -22,8 +35,8 @@ data class SurveyState(
     val coverage: SurveyCoverage? = null,
     /** What errors to expect; null until a walk can be left out to tell it. */
     val accuracy: ExpectedAccuracy? = null,
-    /** What went wrong last, and what to do about it: the engine's words. */
-    val message: String? = null,
+    /** What went wrong last. */
+    val mishap: Mishap? = null,
     val hasMap: Boolean = false,
 ) {
     val nWalks: Int get() = walkLengthsM.size

@@ -10,6 +10,7 @@ import org.fieldwalk.BuildingMap
 import org.fieldwalk.FloorDrawing
 import org.fieldwalk.MissingInput
 import org.fieldwalk.Point2
+import org.fieldwalk.SurveyStatus
 import org.fieldwalk.WalkReport
 import org.fieldwalk.Waypoint
 import org.fieldwalk.android.PhoneSensors
@@ -54,7 +55,7 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
     fun look() = mutable.update { state ->
         val status = surveyor.status()
         if (!state.canEnd) return@update state.copy(warnings = emptySet())
-        state.copy(nSteps = status.nSteps.toInt(), warnings = warnings(status.missing.map { it.what }.toSet()))
+        state.copy(nSteps = status.nSteps.toInt(), warnings = warnings(status))
     }
 
     /** Begins a walk and starts the sensors. */
@@ -123,12 +124,12 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         expect()
     }
 
-    /** Builds the map into the survey's folder; what goes wrong is in the message. */
+    /** Builds the map into the survey's folder; what goes wrong is the mishap. */
     fun build() = attempt(Phase.IDLE) {
         if (!state.value.canBuild) return@attempt
         mutable.update { it.copy(phase = Phase.BUILDING) }
         background.execute {
-            val message = runCatching {
+            val failure = runCatching {
                 surveyor.build().use { surveyed ->
                     BuildingMap.ofSurvey(floor, listOf(surveyed)).use { map ->
                         val whole = File(folder.folder, "map.part")
@@ -136,8 +137,8 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
                         check(whole.renameTo(folder.mapFile)) { "the map cannot be put into its place" }
                     }
                 }
-            }.exceptionOrNull()?.let(::text)
-            mutable.update { it.copy(phase = Phase.IDLE, message = message, hasMap = folder.mapFile.isFile) }
+            }.exceptionOrNull()
+            mutable.update { it.copy(phase = Phase.IDLE, mishap = failure?.let(Mishap::Failed), hasMap = folder.mapFile.isFile) }
         }
     }
 
@@ -155,7 +156,7 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
                 // Cut before its first second, it holds nothing.
                 runCatching { surveyor.discardWalk() }
                 folder.drop(recording)
-                mutable.update { it.copy(message = text(refused)) }
+                mutable.update { it.copy(mishap = Mishap.Failed(refused)) }
             }
         }
         mutable.update { it.copy(coverage = surveyor.coverage(), hasMap = folder.mapFile.isFile) }
@@ -173,7 +174,7 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         if (!report.isUsed) recording?.let(folder::drop)
         mutable.update { state ->
             if (report.isUsed) state.copy(walkLengthsM = state.walkLengthsM + report.routeM, coverage = surveyor.coverage())
-            else state.copy(message = report.remedy, coverage = surveyor.coverage())
+            else state.copy(mishap = Mishap.Unused(report), coverage = surveyor.coverage())
         }
         if (report.isUsed) expect()
     }
@@ -201,33 +202,31 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         this.troubles = troubles
     }
 
-    private fun fail(failure: Throwable) = mutable.update { it.copy(message = text(failure)) }
+    private fun fail(failure: Throwable) = mutable.update { it.copy(mishap = Mishap.Failed(failure)) }
 
-    private fun warnings(missing: Set<MissingInput>): Set<Warning> {
+    private fun warnings(status: SurveyStatus): Set<Warning> {
         val kinds = troubles.map { it.kind }.toSet()
+        val missing = status.missing.map { it.what }
         return buildSet {
             if (isTooFast) add(Warning.TOO_FAST)
+            if (state.value.taps.size > 1 && status.nSteps == 0u) add(Warning.NO_STEPS)
+            status.carryWarning?.let { add(Warning.of(it.what)) }
             if (TroubleKind.CALIBRATION in kinds) add(Warning.CALIBRATION)
             if (kinds.any { it.name.startsWith("BLUETOOTH") }) add(Warning.BLUETOOTH)
             if (kinds.any { it.name.startsWith("LOCATION") }) add(Warning.LOCATION)
             if (TroubleKind.SENSOR_ABSENT in kinds || MissingInput.ACCELEROMETER in missing) add(Warning.SENSORS)
-            val state = state.value
-            if (state.taps.size > 1 && surveyor.status().nSteps == 0u) add(Warning.NO_STEPS)
         }
     }
 
     private fun attempt(phase: Phase, step: () -> Unit) {
         if (state.value.phase != phase) return
-        mutable.update { it.copy(message = null) }
+        mutable.update { it.copy(mishap = null) }
         try {
             step()
         } catch (refused: ApiException) {
-            mutable.update { it.copy(message = text(refused)) }
+            mutable.update { it.copy(mishap = Mishap.Failed(refused)) }
         }
     }
-
-    private fun text(failure: Throwable): String =
-        if (failure is ApiException) Trouble.of(failure).remedy else failure.message ?: failure.toString()
 
     private fun speedMS(from: Waypoint, to: Waypoint): Double =
         hypot(to.point.xM - from.point.xM, to.point.yM - from.point.yM) / maxOf((to.timeNs - from.timeNs) * 1e-9, 1e-3)

@@ -22,6 +22,7 @@ interface Texts {
     val tapYourPlace: String
     val noFixYet: String
     val planUnreadable: String
+    val remedies: Remedies
 
     fun advice(state: SurveyState): String
     fun summary(state: SurveyState): String
@@ -53,6 +54,7 @@ object English : Texts {
     override val tapYourPlace = "Tap where you stand, then walk."
     override val noFixYet = "No position yet."
     override val planUnreadable = "This is no floor plan in GeoJSON."
+    override val remedies = EnglishRemedies
 
     override fun advice(state: SurveyState) = when (state.phase) {
         Phase.IDLE -> if (state.nWalks == 0) "Begin a walk, then tap where you stand." else "Begin another walk, or build the map."
@@ -74,7 +76,11 @@ object English : Texts {
 
     override fun warning(warning: Warning) = when (warning) {
         Warning.TOO_FAST -> "That was faster than one walks: tap in time, and undo a tap that came late."
-        Warning.NO_STEPS -> "No steps are seen: hold the phone before you, or carry it as people later will."
+        Warning.NO_STEPS -> "No steps are seen: walk, and hold the phone before you."
+        Warning.NOT_HELD -> "The phone swings or is put away: hold it still before you, the screen up."
+        Warning.NOT_UPWARD -> "The screen does not face up: hold the phone level, as if to read from it."
+        Warning.NOT_FORWARD -> "The phone is turned: let its top edge point where you go."
+        Warning.NOT_LEVEL -> "The phone is tilted: hold it level."
         Warning.CALIBRATION -> "The compass is not calibrated: swing the phone in a figure of eight."
         Warning.BLUETOOTH -> "No beacons are heard: switch Bluetooth on and allow devices nearby."
         Warning.LOCATION -> "Neither beacons nor WiFi are heard: switch the location on and allow the precise one."
@@ -103,6 +109,7 @@ object German : Texts {
     override val tapYourPlace = "Tippen Sie, wo Sie stehen, und gehen Sie los."
     override val noFixYet = "Noch keine Position."
     override val planUnreadable = "Das ist kein Grundriss in GeoJSON."
+    override val remedies = GermanRemedies
 
     override fun advice(state: SurveyState) = when (state.phase) {
         Phase.IDLE ->
@@ -127,7 +134,11 @@ object German : Texts {
 
     override fun warning(warning: Warning) = when (warning) {
         Warning.TOO_FAST -> "Das war schneller, als man geht: rechtzeitig tippen, spätes Tippen zurücknehmen."
-        Warning.NO_STEPS -> "Keine Schritte erkannt: halten Sie das Telefon vor sich oder wie später im Gebrauch."
+        Warning.NO_STEPS -> "Keine Schritte erkannt: gehen Sie und halten Sie das Telefon vor sich."
+        Warning.NOT_HELD -> "Das Telefon schwingt oder ist weggesteckt: halten Sie es ruhig vor sich, Bildschirm nach oben."
+        Warning.NOT_UPWARD -> "Der Bildschirm zeigt nicht nach oben: halten Sie das Telefon flach, wie zum Lesen."
+        Warning.NOT_FORWARD -> "Das Telefon ist verdreht: die obere Kante zeigt dorthin, wohin Sie gehen."
+        Warning.NOT_LEVEL -> "Das Telefon ist geneigt: halten Sie es flach."
         Warning.CALIBRATION -> "Der Kompass ist nicht kalibriert: schwenken Sie das Telefon in einer Acht."
         Warning.BLUETOOTH -> "Keine Beacons zu hören: Bluetooth einschalten und Geräte in der Nähe erlauben."
         Warning.LOCATION -> "Weder Beacons noch WLAN zu hören: Standort einschalten und den genauen erlauben."

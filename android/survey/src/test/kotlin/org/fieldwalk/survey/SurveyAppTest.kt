@@ -16,7 +16,9 @@ import org.fieldwalk.Fix
 import org.fieldwalk.Point2
 import org.fieldwalk.PositionHint
 import org.fieldwalk.Positioner
+import org.fieldwalk.Record
 import org.fieldwalk.SampleBatch
+import org.fieldwalk.WalkRefusal
 import org.fieldwalk.android.SensorClock
 import org.fieldwalk.android.SimulatedPhone
 import org.junit.After
@@ -70,7 +72,7 @@ class SurveyAppTest {
         runLater()
         val state = CurrentSurvey.of(phone.context)!!.state.value
         assertEquals(RecordedFloor.surveyWalks.size, state.nWalks)
-        assertEquals(null, state.message)
+        assertEquals(null, state.mishap)
         assertEquals(100, state.coveredPercent)
         val accuracy = state.accuracy!!
         println(
@@ -109,7 +111,7 @@ class SurveyAppTest {
 
         val again = open(SurveyActivity::class.java)
         val state = CurrentSurvey.of(phone.context)!!.state.value
-        assertEquals(null, state.message)
+        assertEquals(null, state.mishap)
         assertEquals(whole.walkLengthsM[0], state.walkLengthsM[0], 1e-9)
         assertEquals("the cut walk counts up to its last waypoint", 2, state.nWalks)
         assertEquals(coverage.coveredM2, state.coverage!!.totals.coveredM2, 1e-9)
@@ -176,8 +178,26 @@ class SurveyAppTest {
         survey.press(SurveyIds.END)
         shoot(survey.get(), "refused")
         // A walk without steps is of no use to the map: its recording is dropped, and why is said.
-        assertTrue(survey.text(SurveyIds.MESSAGE).isNotEmpty())
+        assertEquals(EnglishRemedies.of(WalkRefusal.NO_STEPS), survey.text(SurveyIds.MESSAGE))
         assertEquals(0, CurrentSurvey.folder(phone.context).recordings().size)
+    }
+
+    @Test
+    fun `a phone that is not carried as a survey needs is warned of, until it is`() {
+        val survey = openPlan()
+        survey.press(SurveyIds.BEGIN)
+        val recording = RecordedFloor.surveyWalks.first()
+        walk(survey, recording, nWaypoints = 3)
+        val carried = listOf(Warning.NOT_HELD, Warning.NOT_UPWARD, Warning.NOT_FORWARD, Warning.NOT_LEVEL).map(English::warning)
+        val message = survey.text(SurveyIds.MESSAGE)
+        assertTrue(message, carried.none { it in message })
+        // Upright, as to take a picture.
+        walk(survey, recording, nWaypoints = 3) { it.turned { (x, y, z) -> listOf(x, z, -y) } }
+        assertTrue(survey.text(SurveyIds.MESSAGE).contains(English.warning(Warning.NOT_UPWARD)))
+        shoot(survey.get(), "carried-upright")
+        walk(survey, recording, nWaypoints = 4)
+        val last = survey.text(SurveyIds.MESSAGE)
+        assertTrue(last, carried.none { it in last })
     }
 
     @Test
@@ -272,12 +292,17 @@ class SurveyAppTest {
         return start
     }
 
-    /** The walk of [recording], tapped where the surveyor stood, up to so many waypoints. */
-    private fun walk(survey: ActivityController<SurveyActivity>, recording: File, nWaypoints: Int = Int.MAX_VALUE) {
+    /** The walk of [recording], tapped where the surveyor stood, up to so many waypoints; what the phone feels may be turned. */
+    private fun walk(
+        survey: ActivityController<SurveyActivity>,
+        recording: File,
+        nWaypoints: Int = Int.MAX_VALUE,
+        felt: (Record) -> Record = { it },
+    ) {
         var n = 0
         records(recording, SensorClock.nowNs() + 1_000_000_000) { record, waypoint ->
             if (n >= nWaypoints) return@records
-            if (record != null) phone.deliver(record)
+            if (record != null) phone.deliver(felt(record))
             if (waypoint != null) {
                 phone.clockTo(waypoint.timeNs)
                 tap(survey, waypoint.point)
