@@ -6,7 +6,7 @@
 //!
 //! What the systems use of this is data in their recipes. `fused` and `dead-reckoning` carry the level frame of
 //! [`gravity`](crate::gravity) by the gyroscope and leave north to their particles; `mass-centered` takes each step's
-//! compass azimuth and adds the surveyed deviation of the place; `card` lets most particles follow the ways of the
+//! compass azimuth, adds the surveyed deviation of the place and lets the gyroscope smooth the sum; `card` lets most particles follow the ways of the
 //! plan, by that azimuth or by their own last heading. The estimators here give a heading without a map:
 //! at a start, for a display, or for an engineer who compares them. The axis of the walk is a part
 //! for the systems that ask for it.

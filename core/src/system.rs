@@ -118,11 +118,18 @@ pub struct MotionParams {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeadingRule {
-    /// The compass azimuth of every step, with the surveyed deviation at the particle's last place added.
+    /// The compass azimuth of every step, with the surveyed deviation at the particle's last place added; the gyroscope
+    /// carries the direction on meanwhile, as in a phone's own azimuth.
     ///
     /// # Source
-    /// Mass-centred 2019, Eq. 15: `α + ξ(x_{t−1}, y_{t−1}) + Λ'`.
-    CompensatedCompass,
+    /// Mass-centred 2019, Eq. 15: `α + ξ(x_{t−1}, y_{t−1}) + Λ'`. How a phone smooths its azimuth is left open. Every
+    /// particle smooths `α + ξ` along its own way, since a deviation that was smoothed in the survey would depend on the
+    /// way that led to the place.
+    CompensatedCompass {
+        /// Time constant within which the direction follows the compass, in seconds; 0 takes each step's azimuth as it
+        /// is.
+        smoothing_s: f32,
+    },
     /// The compass once, at the start; the gyroscope from there, with a small random walk.
     Gyroscope {
         /// Standard deviation of the first compass reading about the walking direction, in radians.
@@ -164,7 +171,7 @@ impl HeadingRule {
     /// Standard deviation of the first compass reading, in radians, where a direction is kept from there on by gyroscope.
     pub(crate) fn start_sd_rad(&self) -> Option<f32> {
         match *self {
-            Self::CompensatedCompass | Self::Compass | Self::Pathway(_) => None,
+            Self::CompensatedCompass { .. } | Self::Compass | Self::Pathway(_) => None,
             Self::Gyroscope { start_sd_rad, .. } | Self::GyroscopeTurns { start_sd_rad, .. } => {
                 Some(start_sd_rad)
             }

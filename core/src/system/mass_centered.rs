@@ -11,14 +11,16 @@ impl Recipe {
     /// # Source
     /// Mass-centred 2019, Alg. 1; `W`, `T` and the number of particles are the paper's. Ours are the genes' start, their
     /// drift and the noise: weights as sharp as these select genes by chance when they start far apart or drift fast,
-    /// which enlarges the errors on recordings.
+    /// which enlarges the errors on recordings. Ours is the azimuth's smoothing too: phones fuse their azimuth with the
+    /// gyroscope, over a time that they do not tell. Without it a compass that swings by tens of degrees in a turn leads all
+    /// particles into a wall.
     pub fn mass_centered() -> Self {
         Self {
             name: "mass-centered".into(),
             n_particles: 3000,
             length: FITTED_LENGTH,
             motion: MotionParams {
-                heading: HeadingRule::CompensatedCompass,
+                heading: HeadingRule::CompensatedCompass { smoothing_s: 1.5 },
                 direction_sd_rad: 0.3,
                 length: LengthRule::Genetic {
                     a_m: 0.18,

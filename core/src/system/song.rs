@@ -59,7 +59,7 @@ impl Recipe {
             n_particles: 100,
             length: FITTED_LENGTH,
             motion: MotionParams {
-                heading: HeadingRule::CompensatedCompass,
+                heading: HeadingRule::CompensatedCompass { smoothing_s: 0.0 },
                 direction_sd_rad: 0.2,
                 length: LengthRule::Scaled { scale_sd: 0.05, scale_walk_sd: 0.0, step_sd: 0.15 },
             },

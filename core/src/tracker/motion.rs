@@ -28,6 +28,8 @@ impl Tracker {
         let turned = turned_length_m(1.0, self.state.turn_rad);
         let (raw_sin, raw_cos) = libm::sincosf(azimuth_rad + self.floor.mean_deviation_rad());
         let n_steps = f32::from(event.n_steps);
+        let share = compass_share(motion.heading, event);
+        let (body_sin, body_cos) = libm::sincosf(self.state.turn_rad);
         let particles = &mut self.state.particles;
         let n = particles.x_m.len();
         let mut lengths_m = 0.0f64;
@@ -59,15 +61,11 @@ impl Tracker {
             .clamp(0.0, 1.5)
                 * n_steps;
             let (sin, cos) = match motion.heading {
-                HeadingRule::CompensatedCompass => {
-                    let [turn_sin, turn_cos] = self
-                        .floor
-                        .deviation_sin_cos(particles.x_m[i], particles.y_m[i])
-                        .unwrap_or([0.0, 1.0]);
-                    (
-                        azimuth_sin * turn_cos + azimuth_cos * turn_sin,
-                        azimuth_cos * turn_cos - azimuth_sin * turn_sin,
-                    )
+                HeadingRule::CompensatedCompass { .. } => {
+                    let deviation = self.floor.deviation_sin_cos(particles.x_m[i], particles.y_m[i]);
+                    let compensated = rotated([azimuth_sin, azimuth_cos], deviation.unwrap_or([0.0, 1.0]));
+                    let last = [particles.heading_sin[i], particles.heading_cos[i]];
+                    drawn_towards(compensated, rotated(last, [body_sin, body_cos]), share).into()
                 }
                 HeadingRule::Gyroscope { walk_sd_rad, .. } => {
                     particles.heading_offset_rad[i] += walk_sd_rad * noise[2];
@@ -100,6 +98,36 @@ impl Tracker {
         }
         self.state.step_length_m = lengths_m / n.max(1) as f64;
     }
+}
+
+/// How far particles' directions follow the compass in `event`: 1 at once, 0 not at all.
+///
+/// At the first step of a walk the compass alone is known, since the body turned as it liked before.
+fn compass_share(heading: HeadingRule, event: &StepEvent) -> f32 {
+    match heading {
+        HeadingRule::CompensatedCompass { smoothing_s } if smoothing_s > 0.0 && !event.cycle.is_first => {
+            let duration_s = event.cycle.end.secs_since(event.cycle.start) as f32;
+            if event.forward_field.is_some() { 1.0 - libm::expf(-duration_s / smoothing_s) } else { 0.0 }
+        }
+        _ => 1.0,
+    }
+}
+
+/// The direction `[sin, cos]` turned by another such angle.
+#[inline]
+pub(super) fn rotated([sin, cos]: [f32; 2], [by_sin, by_cos]: [f32; 2]) -> [f32; 2] {
+    [sin * by_cos + cos * by_sin, cos * by_cos - sin * by_sin]
+}
+
+/// The direction of `from` drawn by `share` towards `to`; `to` where the two are opposite and nothing is left.
+#[inline]
+fn drawn_towards(to: [f32; 2], from: [f32; 2], share: f32) -> [f32; 2] {
+    if share >= 1.0 {
+        return to;
+    }
+    let [sin, cos] = [0, 1].map(|c| from[c] + share * (to[c] - from[c]));
+    let length = (sin * sin + cos * cos).sqrt();
+    if length > 1e-3 { [sin / length, cos / length] } else { to }
 }
 
 /// Logarithm of the normal density at `z` standard deviations, over that at the mean.

@@ -10,6 +10,7 @@ use crate::pedestrian::StepEvent;
 use crate::random::{Purpose, draw, uniform};
 use crate::system::{HeadingRule, LengthRule, MagneticRule, StartRule};
 use crate::tracker::Tracker;
+use crate::tracker::motion::rotated;
 
 /// Without a hint, particles start within this distance of a surveyed line, in metres.
 const START_REACH_M: f32 = 2.0;
@@ -191,6 +192,10 @@ impl Tracker {
             self.state.particles.heading_sin.fill(sin);
             self.state.particles.heading_cos.fill(cos);
         }
+        if matches!(self.recipe.motion.heading, HeadingRule::CompensatedCompass { smoothing_s } if smoothing_s > 0.0)
+        {
+            self.face_by_compass(event);
+        }
         let Some(start_sd_rad) = self.recipe.motion.heading.start_sd_rad() else { return };
         let deviations = &self.floor.map().layers.compass_deviation_rad;
         let (seed, step) = (self.seed, self.state.n_steps);
@@ -214,6 +219,18 @@ impl Tracker {
                 (None, None) => core::f32::consts::TAU * uniform(bits[2]),
             };
             particles.heading_offset_rad.push(offset);
+        }
+    }
+
+    /// Turns every particle to the compensated azimuth of `event`, less the turn that the event will bring.
+    fn face_by_compass(&mut self, event: &StepEvent) {
+        let azimuth_rad = event.azimuth_rad().unwrap_or(event.level_heading_rad);
+        let (sin, cos) = libm::sincosf(azimuth_rad - self.state.turn_rad);
+        let particles = &mut self.state.particles;
+        for i in 0..particles.x_m.len() {
+            let deviation = self.floor.deviation_sin_cos(particles.x_m[i], particles.y_m[i]);
+            [particles.heading_sin[i], particles.heading_cos[i]] =
+                rotated([sin, cos], deviation.unwrap_or([0.0, 1.0]));
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::floor_plan::FloorPlan;
+use crate::magnetic::feature::LevelField;
 use crate::map::{FloorMap, GridFrame, Layers};
 use crate::step::StepCycle;
 
@@ -94,4 +95,41 @@ fn mass_centred_weights_last_until_particles_are_resampled() {
         let expected = before - best - libm::logf(mean_ut.max(params.threshold_ut));
         assert!((after - expected).abs() < 1e-4, "{after} {expected}");
     }
+}
+
+/// The particles' direction after steps in which the device turned to `level_rad` while its compass said `azimuth_rad`;
+/// nothing without a magnetometer.
+fn direction_rad(smoothing_s: f32, steps: &[(f32, Option<f32>, bool)]) -> f64 {
+    let mut recipe = Recipe { n_particles: 20, ..Recipe::mass_centered() };
+    recipe.motion.heading = HeadingRule::CompensatedCompass { smoothing_s };
+    let mut tracker = Tracker::new(recipe, Arc::new(slope()), 1);
+    tracker.place(Point2::new(20.0, 10.0), 2.0);
+    for (k, &(level_rad, azimuth_rad, is_first)) in steps.iter().enumerate() {
+        let mut event = step(k as u32);
+        event.level_heading_rad = level_rad;
+        event.cycle.is_first = is_first;
+        event.forward_field = azimuth_rad.map(|rad| {
+            let (sin, cos) = libm::sincosf(-rad);
+            LevelField { field_ut: [20.0 * sin, 20.0 * cos, -40.0] }
+        });
+        tracker.step(&event, &[]);
+    }
+    tracker.estimate().unwrap().heading_rad
+}
+
+#[test]
+fn a_swinging_compass_is_followed_within_its_time_constant() {
+    let is_near = |rad: f64, expected_rad: f64| {
+        assert!((rad - expected_rad).abs() < 1e-5, "{rad} instead of {expected_rad}");
+    };
+    // Half a second a step: of a quarter turn that the gyroscope does not know, 1 − exp(−0.5/1.5) on the chord.
+    let share = 1.0 - libm::exp(-0.5 / 1.5);
+    let swing = [(0.2, Some(0.0), false), (0.2, Some(core::f32::consts::FRAC_PI_2), false)];
+    is_near(direction_rad(1.5, &swing), libm::atan2(share, 1.0 - share));
+    is_near(direction_rad(0.0, &swing), core::f64::consts::FRAC_PI_2);
+    // A turn that both know is made at once, and one without a magnetometer by the gyroscope.
+    is_near(direction_rad(1.5, &[(0.2, Some(0.0), false), (1.2, Some(1.0), false)]), 1.0);
+    is_near(direction_rad(1.5, &[(0.2, Some(0.5), false), (0.5, None, false)]), 0.8);
+    // At the first step of a walk nobody knows how the body turned before.
+    is_near(direction_rad(1.5, &[(0.2, Some(0.0), false), (2.2, Some(1.0), true)]), 1.0);
 }

@@ -6,7 +6,7 @@ use crate::battery::{BatteryMonitor, Charge};
 use crate::calibration::Calibration;
 use crate::hardware::{Advertiser, Board, Clock, Hardware, MotionSensor, Retained as _, Supply, Watchdog};
 use crate::level::low_pass_factor;
-use crate::pace::Pace;
+use crate::pace::{LOOKS, LOOKS_A_THIRD, Pace};
 use crate::round::RoundBuilder;
 use crate::sequence::SequenceCounter;
 use crate::stillness::StillnessDetector;
@@ -111,12 +111,11 @@ impl<H: Hardware> Card<H> {
         }
     }
 
-    /// One round: reads the field in the middle of each third, waits for its end, takes the accelerations, sends a frame;
-    /// sleeps where it is time to.
+    /// One round: looks at the field, waits for its end, takes the accelerations, sends a frame; sleeps where it is time to.
     pub async fn round(&mut self) -> RoundOutcome {
-        let mut fields_ut = [None; 3];
-        for (third, field_ut) in fields_ut.iter_mut().enumerate() {
-            self.board.clock.wait_until_us(self.pace.middle_us(third)).await;
+        let mut fields_ut = [None; LOOKS];
+        for (look, field_ut) in fields_ut.iter_mut().enumerate() {
+            self.board.clock.wait_until_us(self.pace.look_us(look)).await;
             *field_ut = self.board.sensor.field_ut().await.ok();
         }
         self.board.clock.wait_until_us(self.pace.next_us()).await;
@@ -154,8 +153,8 @@ impl<H: Hardware> Card<H> {
         self.calibration.as_ref()
     }
 
-    /// Takes the accelerations of the open round, and the field that was read in the middle of each third.
-    async fn read(&mut self, fields_ut: [Option<[f32; 3]>; 3]) {
+    /// Takes the accelerations of the open round, and what looks at the field have found. A swing is told of three a second.
+    async fn read(&mut self, fields_ut: [Option<[f32; 3]>; LOOKS]) {
         let n = match self.board.sensor.drain(&mut self.forces_m_s2).await {
             Ok(n) if n > 0 => n.min(MAX_READINGS),
             // A sensor that says nothing hangs, or was reset by a dip of the supply.
@@ -171,13 +170,16 @@ impl<H: Hardware> Card<H> {
         for (k, force_m_s2) in self.forces_m_s2[..n].iter().enumerate() {
             self.builder.push_force(3 * k / n, *force_m_s2);
             // By the gravity of its time.
-            let is_due = |(third, _): &(usize, _)| 6 * (k + 1) > (2 * third + 1) * n;
-            if let Some((third, Some(raw_ut))) = fields_ut.next_if(is_due) {
-                if let Some(gravity_m_s2) = self.builder.gravity_m_s2() {
+            let is_due = |(look, _): &(usize, _)| 2 * LOOKS * (k + 1) > (2 * look + 1) * n;
+            while let Some((look, found_ut)) = fields_ut.next_if(is_due) {
+                let Some(raw_ut) = found_ut else { continue };
+                if look % LOOKS_A_THIRD == 0
+                    && let Some(gravity_m_s2) = self.builder.gravity_m_s2()
+                {
                     self.swing.push(raw_ut, gravity_m_s2);
                 }
                 let field_ut = self.calibration.map_or(raw_ut, |calibration| calibration.apply(raw_ut));
-                self.builder.push_field(third, field_ut);
+                self.builder.push_field(look / LOOKS_A_THIRD, field_ut);
             }
         }
     }

@@ -26,10 +26,10 @@ impl LevelReading {
     ///
     /// The card points where its top edge does, or its back where the top edge points up or down.
     pub fn of(field_ut: [f32; 3], gravity_m_s2: [f32; 3]) -> Option<Self> {
-        let strength = norm(gravity_m_s2);
-        if strength.is_nan() || strength <= 1.0 {
+        if !Self::has_up(gravity_m_s2) {
             return None;
         }
+        let strength = norm(gravity_m_s2);
         let up = gravity_m_s2.map(|c| c / strength);
         let vertical_ut = dot(field_ut, up);
         let north = [0, 1, 2].map(|c| field_ut[c] - vertical_ut * up[c]);
@@ -39,6 +39,11 @@ impl LevelReading {
         let length = libm::sqrtf(sin * sin + cos * cos);
         let heading = (length > 1e-6).then(|| [sin / length, cos / length]);
         Some(Self { horizontal_ut: norm(north), vertical_ut, heading })
+    }
+
+    /// Whether gravity's reaction says where up is, which it does not in free fall.
+    pub fn has_up(gravity_m_s2: [f32; 3]) -> bool {
+        norm(gravity_m_s2) > 1.0
     }
 }
 

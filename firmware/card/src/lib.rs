@@ -63,7 +63,7 @@ pub use ellipsoid::{SwingRejection, fit};
 #[cfg(feature = "application")]
 pub use hardware::{Advertiser, Board, Clock, Hardware, MotionSensor, Retained, Supply, Watchdog};
 #[cfg(feature = "application")]
-pub use pace::{MAX_DELAY_US, Pace, ROUND_US};
+pub use pace::{LOOKS, MAX_DELAY_US, Pace, ROUND_US};
 #[cfg(feature = "application")]
 pub use sequence::{DISCONTINUITY, SequenceCounter};
 #[cfg(feature = "application")]

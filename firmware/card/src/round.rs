@@ -8,8 +8,9 @@ use crate::level::{LevelReading, norm};
 ///
 /// Readings are in the device frame of phones: a card hangs like a phone held up with its back to where the wearer
 /// walks. A round has three thirds; each holds the largest and the smallest `|acc|`, and the mean of the fields read in
-/// it, in the frame of a low-pass gravity. What was not read is NaN, as the codec has it. No clock, no memory beyond
-/// itself.
+/// it, in the frame of a low-pass gravity. Fields are averaged as vectors: noise of a reading makes the length of its
+/// horizontal part greater, and that of their mean hardly. What was not read is NaN, as the codec has it. No clock, no memory
+/// beyond itself.
 ///
 /// # Source
 /// Kwak 2018, §4.1, §4.2 and §4.3: three max–min pairs of `|acc|` a round, `B_h` and `B_v` by a low-pass gravity (Eq. 1), the
@@ -22,13 +23,12 @@ pub struct RoundBuilder {
     gravity_m_s2: Option<[f32; 3]>,
     /// Largest and smallest `|acc|` of each third, in m/s².
     extremes_m_s2: [Option<[f32; 2]>; 3],
-    /// Sums of `B_h` and `B_v` of each third, in µT, and how many there are.
-    level_ut: [[f32; 2]; 3],
+    /// Sums of the fields of each third, in µT, and of the gravities of their times, and how many there are.
+    fields_ut: [[f32; 3]; 3],
+    gravities_m_s2: [[f32; 3]; 3],
     n_fields: [u16; 3],
     /// `|B|` of each third of the last round, in µT.
     previous_b_ut: [Option<f32>; 3],
-    /// Sums of sines and cosines of the orientation.
-    orientation: [f32; 2],
 }
 
 impl RoundBuilder {
@@ -38,10 +38,10 @@ impl RoundBuilder {
             smoothing,
             gravity_m_s2: None,
             extremes_m_s2: [None; 3],
-            level_ut: [[0.0; 2]; 3],
+            fields_ut: [[0.0; 3]; 3],
+            gravities_m_s2: [[0.0; 3]; 3],
             n_fields: [0; 3],
             previous_b_ut: [None; 3],
-            orientation: [0.0; 2],
         }
     }
 
@@ -66,19 +66,17 @@ impl RoundBuilder {
     /// not finite.
     pub fn push_field(&mut self, third: usize, field_ut: [f32; 3]) {
         let third = third.min(2);
-        let Some(level) = self.gravity_m_s2.and_then(|gravity| LevelReading::of(field_ut, gravity)) else {
+        let Some(gravity_m_s2) = self.gravity_m_s2.filter(|gravity| LevelReading::has_up(*gravity)) else {
             return;
         };
-        if !(level.horizontal_ut.is_finite() && level.vertical_ut.is_finite()) {
+        if self.n_fields[third] == u16::MAX || !field_ut.iter().all(|c| c.is_finite()) {
             return;
         }
-        self.level_ut[third][0] += level.horizontal_ut;
-        self.level_ut[third][1] += level.vertical_ut;
-        self.n_fields[third] = self.n_fields[third].saturating_add(1);
-        if let Some([sin, cos]) = level.heading {
-            self.orientation[0] += sin;
-            self.orientation[1] += cos;
+        for c in 0..3 {
+            self.fields_ut[third][c] += field_ut[c];
+            self.gravities_m_s2[third][c] += gravity_m_s2[c];
         }
+        self.n_fields[third] += 1;
     }
 
     /// The low-pass gravity's reaction, in m/s², device frame, once there was an acceleration.
@@ -96,11 +94,16 @@ impl RoundBuilder {
 
     /// Closes the round, and opens the next.
     pub fn close(&mut self) -> CardRound {
-        let [sin, cos] = self.orientation;
+        let thirds = [0, 1, 2].map(|third| self.level_reading(third));
+        let [sin, cos] = thirds
+            .iter()
+            .flatten()
+            .filter_map(|level| level.heading)
+            .fold([0.0f32; 2], |[sum_sin, sum_cos], [sin, cos]| [sum_sin + sin, sum_cos + cos]);
         let has_orientation = sin != 0.0 || cos != 0.0;
         let or_nan = |value: Option<f32>| value.unwrap_or(f32::NAN);
-        let mean = |third: usize, c: usize| self.level_ut[third][c] / f32::from(self.n_fields[third]);
-        let level_ut = [0, 1, 2].map(|third| [mean(third, 0), mean(third, 1)]);
+        let level_ut =
+            thirds.map(|level| level.map_or([f32::NAN; 2], |level| [level.horizontal_ut, level.vertical_ut]));
         let round = CardRound {
             b_v_ut: level_ut.map(|level| level[1]),
             b_h_ut: level_ut.map(|level| level[0]),
@@ -116,6 +119,15 @@ impl RoundBuilder {
             ..Self::new(self.smoothing)
         };
         round
+    }
+
+    /// The mean field of a third, by the mean gravity of its readings' times.
+    fn level_reading(&self, third: usize) -> Option<LevelReading> {
+        let n = f32::from(self.n_fields[third]);
+        let mean = |sums: [f32; 3]| sums.map(|sum| sum / n);
+        (n > 0.0)
+            .then(|| LevelReading::of(mean(self.fields_ut[third]), mean(self.gravities_m_s2[third])))?
+            .filter(|level| level.horizontal_ut.is_finite() && level.vertical_ut.is_finite())
     }
 
     /// Forgets the open round, the last one and gravity: the next reading comes after a gap.
@@ -148,6 +160,22 @@ mod tests {
         let next = builder.close();
         // √(21² + 45²) = 49.66
         assert!((next.previous_b_ut[0] - 49.66).abs() < 0.01 && next.b_h_ut[0].is_nan());
+    }
+
+    #[test]
+    fn fields_of_a_third_are_averaged_as_vectors() {
+        let mut builder = RoundBuilder::new(0.1);
+        builder.push_force(0, [0.0, 9.8, 0.0]);
+        // Noise of 15 µT to the left and to the right of 20 µT: each is 25 µT long, their mean is not.
+        for (third, across) in [[15.0, -15.0], [0.0, 0.0]].iter().enumerate() {
+            for x in across {
+                builder.push_field(third, [*x, -45.0, -20.0]);
+            }
+        }
+        let round = builder.close();
+        assert_eq!((round.b_h_ut[0], round.b_h_ut[1], round.b_v_ut[0]), (20.0, 20.0, -45.0));
+        assert_eq!(round.orientation_rad, 0.0);
+        assert!(round.b_h_ut[2].is_nan());
     }
 
     #[test]

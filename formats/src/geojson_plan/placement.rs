@@ -214,7 +214,7 @@ fn no_extent() -> FormatError {
 fn metres_per_degree(latitude_deg: f64) -> [f64; 2] {
     const SEMI_MAJOR_M: f64 = 6_378_137.0;
     const ECCENTRICITY2: f64 = 6.694_379_990_141_316e-3;
-    let (sin, cos) = latitude_deg.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(latitude_deg.to_radians());
     let w2 = 1.0 - ECCENTRICITY2 * sin * sin;
     let prime_vertical_m = SEMI_MAJOR_M / w2.sqrt();
     let meridian_m = prime_vertical_m * (1.0 - ECCENTRICITY2) / w2;
