@@ -227,4 +227,25 @@ mod tests {
         assert!(points[0] != points[1]);
         assert_eq!(hint(Start::Cold, 1, 0, &walk), None);
     }
+
+    #[test]
+    fn a_told_direction_is_that_of_the_first_two_metres_within_its_angle() {
+        let start = Waypoint { time: Timestamp::from_millis(7), point: Point2::new(10.0, 20.0) };
+        // A step to the left, then on along x.
+        let truth = [Point2::new(9.0, 20.0), Point2::new(13.0, 20.0)].map(|point| TruthPoint {
+            kind: PointKind::Waypoint,
+            time: start.time,
+            point,
+        });
+        let walk = TestWalk { samples: Vec::new(), start, truth: truth.into(), line: Truth::default() };
+        let facing = Start::Facing { radius_m: 1.0, off_deg: 10.0 };
+        let told: Vec<HintedDirection> =
+            (0..100).filter_map(|seed| hint(facing, seed, 0, &walk)?.direction).collect();
+        let off_deg = |told: &HintedDirection| (told.heading_rad - core::f64::consts::FRAC_PI_2).to_degrees();
+        assert!(told.len() == 100 && told.iter().all(|told| off_deg(told).abs() <= 10.0), "{told:?}");
+        assert!(told.iter().any(|told| off_deg(told) < -5.0) && told.iter().any(|told| off_deg(told) > 5.0));
+        // 10°/√3
+        assert!((told[0].sd_rad.to_degrees() - 5.774).abs() < 0.001);
+        assert_eq!(hint(Start::Known { radius_m: 1.0 }, 1, 0, &walk).unwrap().direction, None);
+    }
 }
