@@ -7,6 +7,7 @@ import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
 import org.fieldwalk.FixMode
+import org.fieldwalk.FlatMemory
 import org.fieldwalk.PositionHint
 import org.fieldwalk.Positioner
 import org.fieldwalk.Record
@@ -20,7 +21,6 @@ import org.junit.Assert.assertTrue
 import org.junit.Test
 import org.junit.runner.RunWith
 import org.robolectric.RobolectricTestRunner
-import java.io.File
 
 /** Starts and stops in any order and number, long runs, gaps: nothing is left behind. */
 @RunWith(RobolectricTestRunner::class)
@@ -65,14 +65,12 @@ class LifetimeTest {
             phone.sense(android.hardware.Sensor.TYPE_ACCELEROMETER, SensorClock.nowNs(), 0f, 0f, 9.81f)
             session.stop()
         }
-        cycles(2_000)
-        val (threads, beforeKb) = settled()
-        cycles(8_000)
-        val (threadsAfter, afterKb) = settled()
+        cycles(100)
+        val threads = nSensorThreads()
+        // A session kept of a hundred would be 5 MB each time.
+        println("starts and stops by 5000, kB: ${flatMemory { cycles(5_000) }}")
         assertEquals(0, phone.nScans)
-        assertTrue("$threads threads, then $threadsAfter", threadsAfter <= threads + 1)
-        println("8000 starts and stops: $beforeKb kB, then $afterKb kB")
-        assertTrue("$beforeKb kB, then $afterKb kB", afterKb - beforeKb < 40_000)
+        assertTrue("$threads threads, then ${nSensorThreads()}", nSensorThreads() <= threads + 1)
         session.close()
     }
 
@@ -159,14 +157,10 @@ class LifetimeTest {
                     }
                 }
                 val originNs = walk.first().timeNs
-                hour(originNs)
-                val (_, beforeKb) = settled()
-                (1..23).forEach { hour(originNs + it * HOUR_NS) }
-                val (_, afterKb) = settled()
+                val heldKb = flatMemory(6) { time -> repeat(4) { hour(originNs + (4 * time + it) * HOUR_NS) } }
+                println("a day by four hours, kB: $heldKb")
                 assertNotNull(positioner.fix())
                 assertEquals(0uL, positioner.status().rejections.let { it.implausible + it.late + it.duplicate })
-                println("23 hours of samples: $beforeKb kB, then $afterKb kB")
-                assertTrue("$beforeKb kB, then $afterKb kB", afterKb - beforeKb < 20_000)
             }
         }
     }
@@ -178,13 +172,7 @@ class LifetimeTest {
         val walk = Walk.samples
         val lengthNs = walk.last().timeNs - walk.first().timeNs + 20_000_000
         fun minute(k: Int) = walk.forEach { phone.deliver(it.at(it.timeNs + k * lengthNs)) }
-        minute(0)
-        minute(1)
-        val (_, beforeKb) = settled()
-        (2..9).forEach(::minute)
-        val (_, afterKb) = settled()
-        println("8 minutes through the sensors: $beforeKb kB, then $afterKb kB")
-        assertTrue("$beforeKb kB, then $afterKb kB", afterKb - beforeKb < 40_000)
+        println("ten minutes by two, kB: ${flatMemory(5) { time -> repeat(2) { minute(2 * time + it) } }}")
         session.close()
     }
 
@@ -197,17 +185,12 @@ class LifetimeTest {
 
     private fun Record.addTo(batch: SampleBatch, timeNs: Long) = at(timeNs).addTo(batch)
 
-    /** Threads, and what the process holds when garbage is gone; the Java heap is fixed in size by the POM. */
-    private fun settled(): Pair<Int, Long> {
+    private fun flatMemory(leastTimes: Int = 2, use: (time: Int) -> Unit) = FlatMemory.after(2_000, leastTimes) {
+        use(it)
         phone.settle()
-        repeat(3) {
-            System.gc()
-            Thread.sleep(50)
-        }
-        val line = File("/proc/self/status").takeIf { it.exists() }?.readLines()?.first { it.startsWith("VmRSS:") }
-        val kb = line?.split(Regex("\\s+"))?.get(1)?.toLong() ?: 0
-        return Thread.getAllStackTraces().keys.count { it.name == "fieldwalk-sensors" } to kb
     }
+
+    private fun nSensorThreads() = Thread.getAllStackTraces().keys.count { it.name == "fieldwalk-sensors" }
 
     private companion object {
         const val HOUR_NS = 3_600_000_000_000L
