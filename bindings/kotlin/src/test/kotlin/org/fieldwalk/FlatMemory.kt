@@ -5,30 +5,31 @@ import java.io.File
 /**
  * Whether what is done again and again takes no more memory.
  *
- * A leak takes more each time. What the JVM compiles and what the allocator keeps comes to an end, when and at how much
- * differs from run to run: so there need be one time only that adds nothing to the most that was held before.
+ * A leak takes more each time, though by fits and starts. What the JVM compiles and what the allocator keeps comes to an
+ * end, when and at how much differs from run to run: so three times in a row are looked for that add little together.
  */
 object FlatMemory {
-    private const val MOST_TIMES = 8
+    const val IN_A_ROW = 3
+    const val MOST_TIMES = 9
 
     /**
-     * Does [use] at least [leastTimes] and until it adds less than [stepKb] to the most that the process has held; what it
-     * held after each time, in kB.
+     * Does [use] at least [leastTimes] and until [IN_A_ROW] have added less than [limitKb] together; what the process held
+     * after each time, in kB.
      */
     fun after(
-        stepKb: Long,
-        leastTimes: Int = 2,
+        limitKb: Long,
+        leastTimes: Int = 1,
         residentKb: () -> Long = { ProcessUse.now().residentKb },
         use: (time: Int) -> Unit,
     ): List<Long> {
         val heldKb = mutableListOf<Long>()
         var isFlat = false
         while (heldKb.size < leastTimes || !isFlat) {
-            check(heldKb.size < MOST_TIMES) { "memory grows each time, kB: $heldKb" }
+            check(heldKb.size < MOST_TIMES) { "memory grows, kB: $heldKb" }
             use(heldKb.size)
-            val nowKb = residentKb()
-            isFlat = isFlat || heldKb.isNotEmpty() && nowKb < heldKb.max() + stepKb
-            heldKb += nowKb
+            heldKb += residentKb()
+            val before = heldKb.getOrNull(heldKb.size - 1 - IN_A_ROW)
+            isFlat = isFlat || before != null && heldKb.last() < before + limitKb
         }
         return heldKb
     }

@@ -115,8 +115,8 @@ class LifetimeTest {
         Walk.openMap().use { map ->
             cycles(map, 100)
             val before = ProcessUse.now()
-            // A positioner with its particles takes about 100 kB: one kept of a hundred would be 5 MB each time.
-            println("cycles by 5000, kB: ${FlatMemory.after(1_000) { cycles(map, 5_000) }}")
+            // A positioner with its particles takes about 100 kB: of one kept of a hundred three times would be 15 MB.
+            println("cycles by 5000, kB: ${FlatMemory.after(8_000) { cycles(map, 5_000) }}")
             val after = ProcessUse.now()
             val grown = "$before, then $after"
             // A few threads of the JVM's own come with what it compiles.

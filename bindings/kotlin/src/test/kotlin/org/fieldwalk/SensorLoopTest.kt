@@ -86,7 +86,7 @@ class SensorLoopTest {
         }
         cycles(100)
         val before = ProcessUse.now()
-        println("loops by 5000, kB: ${FlatMemory.after(1_000) { cycles(5_000) }}")
+        println("loops by 5000, kB: ${FlatMemory.after(8_000) { cycles(5_000) }}")
         val after = ProcessUse.now()
         assertTrue(after.nThreads <= before.nThreads + 4 && after.nFiles <= before.nFiles, "$before, then $after")
     }
