@@ -13,9 +13,10 @@ class FlatMemoryTest {
 
     @Test
     fun `what comes to an end is flat`() {
-        // As measured in four runs.
+        // As measured.
         assertEquals(4, held(391_152, 393_316, 394_376, 395_372).size)
-        assertEquals(4, held(389_428, 380_032, 380_100, 380_100).size)
+        assertEquals(4, held(389_588, 384_160, 385_524, 386_416).size)
+        // As it might be on another machine.
         assertEquals(5, held(380_000, 388_000, 391_000, 392_000, 392_100).size)
         // Flat after four, the others are done all the same.
         assertEquals(listOf(1L, 2, 3, 4, 9_000), held(1, 2, 3, 4, 9_000, leastTimes = 5))

@@ -119,9 +119,9 @@ class LifetimeTest {
             println("cycles by 5000, kB: ${FlatMemory.after(8_000) { cycles(map, 5_000) }}")
             val after = ProcessUse.now()
             val grown = "$before, then $after"
-            // A few threads of the JVM's own come with what it compiles.
+            // A few threads and files of the JVM's own come with what it compiles and loads.
             assertTrue(after.nThreads <= before.nThreads + 4, grown)
-            assertTrue(after.nFiles <= before.nFiles, grown)
+            assertTrue(after.nFiles <= before.nFiles + 4, grown)
         }
     }
 
@@ -142,7 +142,7 @@ class LifetimeTest {
             }
         }
         val after = ProcessUse.now()
-        assertTrue(after.nFiles <= before.nFiles && after.nThreads <= before.nThreads + 4, "$before, then $after")
+        assertTrue(after.nFiles <= before.nFiles + 4 && after.nThreads <= before.nThreads + 4, "$before, then $after")
     }
 
     @Test
