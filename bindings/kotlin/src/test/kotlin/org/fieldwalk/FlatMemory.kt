@@ -9,7 +9,7 @@ import java.io.File
  * end, when and at how much differs from run to run: so three times in a row are looked for that add little together.
  */
 object FlatMemory {
-    const val IN_A_ROW = 3
+    private const val IN_A_ROW = 3
     const val MOST_TIMES = 9
 
     /**

@@ -113,15 +113,15 @@ class LifetimeTest {
             CardDecoder().close()
         }
         Walk.openMap().use { map ->
-            cycles(map, 100)
+            cycles(map, 5_000) // the JVM has compiled and loaded most of what it will
             val before = ProcessUse.now()
             // A positioner with its particles takes about 100 kB: of one kept of a hundred three times would be 15 MB.
             println("cycles by 5000, kB: ${FlatMemory.after(8_000) { cycles(map, 5_000) }}")
             val after = ProcessUse.now()
             val grown = "$before, then $after"
-            // A few threads and files of the JVM's own come with what it compiles and loads.
-            assertTrue(after.nThreads <= before.nThreads + 4, grown)
-            assertTrue(after.nFiles <= before.nFiles + 4, grown)
+            // A thread of the JVM's own may come or go.
+            assertTrue(after.nThreads <= before.nThreads + 1, grown)
+            assertTrue(after.nFiles <= before.nFiles, grown)
         }
     }
 
@@ -142,7 +142,7 @@ class LifetimeTest {
             }
         }
         val after = ProcessUse.now()
-        assertTrue(after.nFiles <= before.nFiles + 4 && after.nThreads <= before.nThreads + 4, "$before, then $after")
+        assertTrue(after.nFiles <= before.nFiles && after.nThreads <= before.nThreads + 1, "$before, then $after")
     }
 
     @Test
