@@ -4,6 +4,7 @@ mod aarch64;
 mod android;
 mod arguments;
 mod bindings;
+mod disk;
 mod elf;
 mod firmware;
 mod firmware_toolchain;

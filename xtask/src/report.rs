@@ -52,6 +52,8 @@ impl From<Result<(), String>> for Outcome {
 #[derive(Debug, Default)]
 pub struct Report {
     lines: Vec<(&'static str, Outcome, Duration)>,
+    /// What was written and what is free.
+    pub disk: Option<String>,
 }
 
 impl Report {
@@ -95,6 +97,9 @@ impl fmt::Display for Report {
         }
         let seconds: f64 = self.lines.iter().map(|(_, _, time)| time.as_secs_f64()).sum();
         writeln!(f, "total              {seconds:>7.1}")?;
+        if let Some(disk) = &self.disk {
+            writeln!(f, "disk      {disk}")?;
+        }
         writeln!(
             f,
             "{} passed, {} failed, {} skipped",
@@ -117,7 +122,9 @@ mod tests {
         report.add("deny", Outcome::new(vec![], vec!["advisories".into()]), Duration::from_secs(2));
         report.add("docs", Outcome::new(vec!["broken link".into()], vec![]), Duration::from_secs(3));
         report.add("aarch64", Outcome::skipped("no qemu"), Duration::ZERO);
+        report.disk = Some("9.0 GiB in the build folder, 3.0 GiB free".into());
         let text = report.to_string();
+        assert!(text.contains("\ndisk      9.0 GiB in"), "{text}");
         assert_eq!(text.lines().last(), Some("3 passed, 1 failed, 2 skipped"));
         assert!(text.contains("\n          the same bits\n"), "{text}");
         assert!(text.contains("failed: broken link") && text.contains("skipped: no qemu"), "{text}");

@@ -6,7 +6,9 @@ use crate::arguments::Arguments;
 use crate::process::{find_program, run as execute, succeeds};
 use crate::report::{Outcome, Report, Verdict};
 use crate::workspace::Workspace;
-use crate::{aarch64, android, bindings, firmware, fuzz, install, kotlin, python, swift, tidy, xcframework};
+use crate::{
+    aarch64, android, bindings, disk, firmware, fuzz, install, kotlin, python, swift, tidy, xcframework,
+};
 
 /// One kind of check.
 #[derive(Debug)]
@@ -48,6 +50,13 @@ pub const ON_DEMAND: &[Stage] = &[
 /// Runs the stages asked for; one that fails does not keep the next from running.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Report {
     let mut report = Report::default();
+    let is_whole = arguments.only.is_empty() && !arguments.quick;
+    if is_whole
+        && let Some(free_bytes) = disk::free_bytes(&workspace.target)
+        && let Some(warning) = disk::warning(free_bytes, disk::held_bytes(&workspace.target))
+    {
+        eprintln!("WARNING: {warning}");
+    }
     let is_named = |stage: &Stage| arguments.only.iter().any(|name| name == stage.name);
     let checks = STAGES.iter().filter(|stage| arguments.only.is_empty() || is_named(stage));
     for stage in checks.chain(ON_DEMAND.iter().filter(|stage| is_named(stage))) {
@@ -68,6 +77,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Report {
             eprintln!("{} passed in {:.1} s", stage.name, start.elapsed().as_secs_f64());
         }
         report.add(stage.name, outcome, start.elapsed());
+    }
+    if is_whole {
+        report.disk = disk::state(&workspace.target);
     }
     report
 }
