@@ -10,6 +10,7 @@ pub use butterworth::ButterworthLowPass;
 
 use serde::{Deserialize, Serialize};
 
+use crate::geometry::wrap_rad;
 use crate::rotation::{Quaternion, cross, norm};
 use crate::time::Timestamp;
 
@@ -59,6 +60,9 @@ pub struct LevelParams {
     pub yaw_gain_without_gyroscope_hz: f32,
     /// A gyroscope silent for longer than this is missing, in seconds; default 0.25.
     pub gyroscope_timeout_s: f64,
+    /// Time constant of what is kept of the field's direction while there is a gyroscope, for when it falls silent, in
+    /// seconds; default 2: long enough to outlast the swing of a step, short enough to be of this place.
+    pub kept_field_tau_s: f32,
 }
 
 impl Default for LevelParams {
@@ -68,6 +72,7 @@ impl Default for LevelParams {
             tilt_gain_without_gyroscope_hz: 2.0,
             yaw_gain_without_gyroscope_hz: 3.0,
             gyroscope_timeout_s: 0.25,
+            kept_field_tau_s: 2.0,
         }
     }
 }
@@ -75,23 +80,43 @@ impl Default for LevelParams {
 /// Keeps the rotation from the device frame into the level frame.
 ///
 /// The gyroscope turns it, the specific force pulls its z back to the vertical (a complementary filter on the unit
-/// quaternion). Without a gyroscope the compass pulls the yaw, and the level frame's y is magnetic north.
+/// quaternion). Without a gyroscope the compass pulls the yaw, and the level frame's y is magnetic north. When a gyroscope
+/// falls silent the compass holds the yaw where it was: particles know how they walk against this frame, wherever its y
+/// points, and a frame that turned to north by itself would turn them all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelEstimator {
     params: LevelParams,
     level_from_device: Option<Quaternion>,
     last_gyroscope: Option<Timestamp>,
     last_force: Option<Timestamp>,
+    /// The field's horizontal part in this frame, lately, while there was a gyroscope, in µT.
+    #[serde(default)]
+    kept_field_ut: Option<[f32; 2]>,
+    /// The latest field and the time since the one before, in seconds, until the gyroscope's next sample.
+    #[serde(default)]
+    seen_field: Option<([f32; 2], f32)>,
 }
 
 impl LevelEstimator {
     /// An estimator that has seen nothing.
     pub fn new(params: LevelParams) -> Self {
-        Self { params, level_from_device: None, last_gyroscope: None, last_force: None }
+        Self {
+            params,
+            level_from_device: None,
+            last_gyroscope: None,
+            last_force: None,
+            kept_field_ut: None,
+            seen_field: None,
+        }
     }
 
     /// Turns the frame by `rate_rad_s` since the last call.
     pub fn push_angular_rate(&mut self, time: Timestamp, rate_rad_s: [f32; 3]) {
+        if let Some((field_ut, dt_s)) = self.seen_field.take() {
+            let share = dt_s / (self.params.kept_field_tau_s + dt_s);
+            let kept = self.kept_field_ut.unwrap_or(field_ut);
+            self.kept_field_ut = Some([0, 1].map(|c| kept[c] + share * (field_ut[c] - kept[c])));
+        }
         if let (Some(q), Some(last)) = (self.level_from_device, self.last_gyroscope) {
             let dt_s = time.secs_since(last);
             if dt_s > 0.0 && dt_s < self.params.gyroscope_timeout_s {
@@ -129,18 +154,23 @@ impl LevelEstimator {
         self.to_level(force_m_s2).unwrap_or(force_m_s2)
     }
 
-    /// Without a gyroscope, pulls the frame's y towards magnetic north; with one, does nothing.
+    /// Without a gyroscope, pulls the frame's y towards magnetic north; with one that fell silent, holds the field where it
+    /// was in this frame; while there is one, only remembers that.
     ///
     /// `dt_s` is the time since the last field.
     pub fn push_field(&mut self, time: Timestamp, field_ut: [f32; 3], dt_s: f64) {
+        let (Some(q), Some(level)) = (self.level_from_device, self.to_level(field_ut)) else { return };
         if self.has_gyroscope(time) {
+            // Kept when the gyroscope goes on: what is turned before its silence is noticed stays out.
+            self.seen_field = Some(([level[0], level[1]], dt_s as f32));
             return;
         }
-        let (Some(q), Some(level)) = (self.level_from_device, self.to_level(field_ut)) else { return };
-        let north_heading_rad = libm::atan2(f64::from(level[0]), f64::from(level[1]));
+        let heading_rad = |ut: [f32; 2]| libm::atan2(f64::from(ut[0]), f64::from(ut[1]));
+        let north_rad = heading_rad([level[0], level[1]]);
+        let off_rad = self.kept_field_ut.map_or(north_rad, |kept| wrap_rad(north_rad - heading_rad(kept)));
         let up_in_device = q.rotate_back([0.0, 0.0, 1.0]);
-        // Turning the device anticlockwise by the field's clockwise heading would bring the field to +y.
-        let rate = f64::from(self.params.yaw_gain_without_gyroscope_hz) * north_heading_rad;
+        // Turning the device anticlockwise by the field's clockwise heading would bring the field to where it belongs.
+        let rate = f64::from(self.params.yaw_gain_without_gyroscope_hz) * off_rad;
         self.level_from_device = Some(turned(q, up_in_device.map(|c| c * rate), dt_s.clamp(0.0, 0.2)));
     }
 
@@ -240,5 +270,32 @@ mod tests {
         }
         let forward = level.forward().unwrap();
         assert!(forward[0] > 0.999, "{forward:?}");
+    }
+
+    #[test]
+    fn a_gyroscope_that_falls_silent_turns_nobody_and_the_compass_follows_from_there() {
+        let mut level = LevelEstimator::new(LevelParams::default());
+        // Begun facing east: the frame's y is east, and stays so while the gyroscope is silent for four seconds.
+        let field = [-20.0, 0.0, -40.0];
+        let heading = |level: &LevelEstimator| {
+            let forward = level.forward().unwrap();
+            libm::atan2f(forward[0], forward[1])
+        };
+        for k in 0..1_000 {
+            let time = Timestamp::from_millis(10 * k);
+            if !(300..700).contains(&k) {
+                level.push_angular_rate(time, [0.0; 3]);
+            }
+            level.push_specific_force(time, [0.0, 0.0, 9.81]);
+            level.push_field(time, field, 0.01);
+        }
+        assert!(heading(&level).abs() < 1e-3, "{}", heading(&level));
+        // Silent for good, the device turns to face south: what was ahead is to its left.
+        for k in 1_000..2_000 {
+            let time = Timestamp::from_millis(10 * k);
+            level.push_specific_force(time, [0.0, 0.0, 9.81]);
+            level.push_field(time, [0.0, -20.0, -40.0], 0.01);
+        }
+        assert!((heading(&level) - FRAC_PI_2).abs() < 1e-2, "{}", heading(&level));
     }
 }

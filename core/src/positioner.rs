@@ -1,6 +1,7 @@
 //! The facade: samples in, fixes out.
 
 pub(crate) mod fix;
+mod silence;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use fix::{Fix, Mode};
+use silence::{Lost, Silence};
 
 use crate::card::CardCounts;
 use crate::front_end::FrontEnd;
@@ -120,6 +122,8 @@ struct Progress {
     last_consumed: Option<Timestamp>,
     last_step: Option<StepEvent>,
     hint_time: Option<Timestamp>,
+    #[serde(default)]
+    silence: Silence,
     heard: Vec<Heard>,
     /// When the open radio round began, and what was heard in it.
     round_start: Option<Timestamp>,
@@ -219,6 +223,7 @@ impl Positioner {
             self.tracker.face(heading_rad, sd_rad, level_rad);
         }
         self.progress.hint_time = Some(hint.time);
+        self.progress.silence.begin_anew(hint.time);
         self.progress.last_step = None;
         Ok(())
     }
@@ -325,14 +330,25 @@ impl Positioner {
     fn consume(&mut self, sample: &Sample) -> bool {
         let has_moved = self.tracker.uses_radio_rounds() && self.close_round(sample.time);
         self.progress.last_consumed = Some(sample.time);
+        match self.progress.silence.ended_by(sample) {
+            Some(Lost::Sight(unseen_s)) => self.tracker.lose_sight(unseen_s),
+            Some(Lost::Direction(unseen_s)) => self.tracker.lose_direction(unseen_s),
+            None => {}
+        }
+        if self.progress.silence.is_hint_on_another_clock(sample.time) {
+            self.progress.hint_time = None;
+        }
         if let Reading::Radio(sighting) = sample.reading {
             self.hear(sighting.transmitter, sighting.rssi_dbm);
         }
         let Some(mut event) = self.front_end.push(sample) else { return has_moved };
         observe(&mut self.progress.heard, &mut self.observations);
         loop {
-            self.tracker.step(&event, &self.observations);
-            self.progress.last_step = Some(event);
+            // Who was seen at the hint's place has walked what went before.
+            if self.progress.hint_time.is_none_or(|hint| event.cycle.end > hint) {
+                self.tracker.step(&event, &self.observations);
+                self.progress.last_step = Some(event);
+            }
             let Some(next) = self.front_end.pop() else { return true };
             // What was heard belongs to the first alone.
             self.observations.clear();

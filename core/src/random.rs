@@ -15,6 +15,7 @@ pub(crate) enum Purpose {
     Genes = 2,
     Resampling = 3,
     Replenishing = 4,
+    Unseen = 5,
 }
 
 /// Ten rounds of Philox4x32: 128 random bits from a 64-bit key and a 128-bit counter.

@@ -10,10 +10,18 @@ use crate::time::{Duration, Timestamp};
 
 /// How long a sample may be late, by default.
 pub const DEFAULT_REORDER_WINDOW: Duration = Duration::from_millis(200);
-/// A step forward or back longer than this is taken for a broken stamp until others agree with it.
+/// A step back longer than this, or forward before any sensor of motion was heard, is taken for a broken stamp until others
+/// agree with it: cards and beacons are heard once in a while.
 const JUMP: Duration = Duration::from_millis(60_000);
-/// So many samples in a row must agree with a jump before the clock is believed to have jumped.
-const JUMP_WITNESSES: u32 = 20;
+/// The same for a step forward once there are sensors of motion, which are silent only when all are. A stamp that were
+/// believed would make everything late until its time has come.
+const JUMP_AHEAD_OF_MOTION: Duration = Duration::from_millis(2_000);
+/// So many samples in a row must agree with a jump before the clock is believed to have jumped, or three over
+/// `JUMP_WITNESSED` where samples are rare. They are kept until then, so that none is lost.
+const JUMP_WITNESSES: usize = 20;
+const JUMP_WITNESSED: Duration = Duration::from_millis(2_000);
+/// Witnesses are no farther apart: a card sends a frame a second, and some are lost.
+const WITNESSES_APART: Duration = Duration::from_millis(3_500);
 
 /// What was refused, by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,7 +32,7 @@ pub struct Rejections {
     pub late: u64,
     /// The same sensor and time again.
     pub duplicate: u64,
-    /// Stamped more than a minute ahead of every other sample.
+    /// Stamped far ahead of every other sample: by seconds where there are sensors of motion, else by a minute.
     pub jumped: u64,
 }
 
@@ -43,7 +51,10 @@ pub struct ReorderWindow {
     newest: Option<Timestamp>,
     /// Everything up to here has been given out.
     released: Timestamp,
-    jump: Option<(Timestamp, u32)>,
+    /// Samples in a row that agree with each other but not with the clock so far.
+    witnesses: Vec<Sample>,
+    /// Whether a sensor of motion was ever heard.
+    has_motion: bool,
     rejections: Rejections,
 }
 
@@ -55,7 +66,8 @@ impl ReorderWindow {
             waiting: VecDeque::with_capacity(512),
             newest: None,
             released: Timestamp::MIN,
-            jump: None,
+            witnesses: Vec::with_capacity(JUMP_WITNESSES),
+            has_motion: false,
             rejections: Rejections::default(),
         }
     }
@@ -66,23 +78,41 @@ impl ReorderWindow {
             self.rejections.implausible += 1;
             return;
         }
+        let ahead = if self.has_motion { JUMP_AHEAD_OF_MOTION } else { JUMP };
+        let mut sample = *sample;
         if sample.time <= self.released {
-            let is_set_back = self.newest.is_some_and(|newest| newest - sample.time > JUMP);
-            if !is_set_back || !self.is_believed_jump(sample.time) {
+            if self.newest.is_some_and(|newest| newest - sample.time > JUMP) {
+                self.doubt(&sample);
+                return;
+            }
+            if !self.is_heard_beside(&sample) {
                 self.rejections.late += 1;
                 return;
             }
-            self.waiting.clear();
-            self.newest = None;
-            self.released = Timestamp::MIN;
-        }
-        if self.newest.is_some_and(|newest| sample.time - newest > JUMP)
-            && !self.is_believed_jump(sample.time)
-        {
-            self.rejections.jumped += 1;
+            sample.time = self.released + Duration::from_nanos(1);
+        } else if self.newest.is_some_and(|newest| sample.time - newest > ahead) {
+            self.doubt(&sample);
             return;
         }
-        self.jump = None;
+        self.disbelieve();
+        self.insert(&sample);
+    }
+
+    /// Whether `sample` is what another access point, or the same, heard a moment before a card's frame that did not wait.
+    fn is_heard_beside(&self, sample: &Sample) -> bool {
+        matches!(sample.reading, Reading::Radio(_))
+            && !self.has_motion
+            && self.released - sample.time < self.window
+    }
+
+    fn insert(&mut self, sample: &Sample) {
+        self.has_motion |= matches!(
+            sample.reading,
+            Reading::SpecificForce(_)
+                | Reading::AngularRate(_)
+                | Reading::MagneticField(_)
+                | Reading::UncalibratedMagneticField { .. }
+        );
         let mut at = self.waiting.len();
         while at > 0 && order(&self.waiting[at - 1], sample).is_gt() {
             at -= 1;
@@ -98,14 +128,41 @@ impl ReorderWindow {
         self.newest = Some(self.newest.map_or(sample.time, |newest| newest.max(sample.time)));
     }
 
-    fn is_believed_jump(&mut self, time: Timestamp) -> bool {
-        let near = self.jump.filter(|(last, _)| {
-            let apart = time - *last;
-            apart.max(-apart) < Duration::from_millis(1_000)
-        });
-        let witnesses = near.map_or(1, |(_, n)| n + 1);
-        self.jump = Some((time, witnesses));
-        witnesses >= JUMP_WITNESSES
+    /// Keeps a sample whose stamp contradicts the clock, and follows its clock once enough agree with it.
+    fn doubt(&mut self, sample: &Sample) {
+        let is_near = |last: &Sample| {
+            let apart = sample.time - last.time;
+            apart.max(-apart) <= WITNESSES_APART
+        };
+        if !self.witnesses.last().is_some_and(is_near) {
+            self.disbelieve();
+        }
+        self.witnesses.push(*sample);
+        let (n, first) = (self.witnesses.len(), self.witnesses[0].time);
+        if n < JUMP_WITNESSES && (n < 3 || sample.time - first < JUMP_WITNESSED) {
+            return;
+        }
+        if first <= self.released {
+            self.waiting.clear();
+            self.newest = None;
+            self.released = Timestamp::MIN;
+        }
+        for k in 0..n {
+            let witness = self.witnesses[k];
+            self.insert(&witness);
+        }
+        self.witnesses.clear();
+    }
+
+    /// Refuses what contradicted the clock: a sample that agrees with it came.
+    fn disbelieve(&mut self) {
+        for witness in self.witnesses.drain(..) {
+            if witness.time <= self.released {
+                self.rejections.late += 1;
+            } else {
+                self.rejections.jumped += 1;
+            }
+        }
     }
 
     /// The next sample in order, once it is older than the window.
@@ -116,6 +173,7 @@ impl ReorderWindow {
 
     /// The next sample in order, however young: nothing earlier will come.
     pub fn pop_all(&mut self) -> Option<Sample> {
+        self.disbelieve();
         self.pop_until(Timestamp::MAX)
     }
 
@@ -154,6 +212,7 @@ fn order(a: &Sample, b: &Sample) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensor::{RadioSighting, TransmitterId};
     use proptest::prelude::*;
 
     fn force(ms: i64, x: f32) -> Sample {
@@ -175,6 +234,7 @@ mod tests {
         window.push(&force(250, 1.0));
         window.push(&force(300, f32::NAN));
         window.push(&force(1_000_000_000, 0.0));
+        window.push(&force(410, 0.0));
         assert_eq!(window.rejections(), Rejections { implausible: 1, late: 1, duplicate: 1, jumped: 1 });
     }
 
@@ -187,8 +247,11 @@ mod tests {
         for k in 0..100 {
             window.push(&force(900_000 + 10 * k, 0.0));
         }
-        assert_eq!(window.rejections().jumped, 1 + u64::from(JUMP_WITNESSES) - 1);
+        assert_eq!(window.rejections(), Rejections { jumped: 1, ..Rejections::default() });
         assert_eq!(window.newest, Some(Timestamp::from_millis(900_990)));
+        let out: Vec<i64> =
+            core::iter::from_fn(|| window.pop_all()).map(|s| s.time.as_nanos() / 1_000_000).collect();
+        assert_eq!(out, [0, 10].into_iter().chain((0..100).map(|k| 900_000 + 10 * k)).collect::<Vec<_>>());
     }
 
     #[test]
@@ -201,9 +264,70 @@ mod tests {
             window.push(&force(10 * k, 0.0));
             out.extend(drain(&mut window));
         }
-        assert_eq!(window.rejections().late, u64::from(JUMP_WITNESSES) - 1);
-        assert_eq!(out.first(), Some(&190));
+        assert_eq!(window.rejections(), Rejections::default());
+        assert_eq!(out.first(), Some(&0));
         assert!(out.is_sorted());
+    }
+
+    #[test]
+    fn a_sensor_on_another_clock_does_not_make_the_others_late() {
+        let mut window = ReorderWindow::new(DEFAULT_REORDER_WINDOW);
+        let heard = |ms| {
+            let sighting = RadioSighting { transmitter: TransmitterId::BleAddress([1; 6]), rssi_dbm: -70.0 };
+            Sample { time: Timestamp::from_millis(ms), reading: Reading::Radio(sighting) }
+        };
+        let mut n_out = 0;
+        for k in 0..1_000 {
+            window.push(&force(10 * k, 0.0));
+            if k % 10 == 0 {
+                window.push(&heard(30_000 + 10 * k));
+            }
+            n_out += drain(&mut window).len();
+        }
+        assert_eq!(window.rejections(), Rejections { jumped: 100, ..Rejections::default() });
+        assert!(n_out > 970, "{n_out}");
+    }
+
+    #[test]
+    fn a_pause_of_all_sensors_loses_no_sample() {
+        let mut window = ReorderWindow::new(DEFAULT_REORDER_WINDOW);
+        let times = (0..100).chain(800..900).map(|k| 10 * k);
+        let mut out: Vec<i64> = Vec::new();
+        for ms in times.clone() {
+            window.push(&force(ms, 0.0));
+            out.extend(drain(&mut window));
+        }
+        out.extend(core::iter::from_fn(|| window.pop_all()).map(|s| s.time.as_nanos() / 1_000_000));
+        assert_eq!(out, times.collect::<Vec<_>>());
+        assert_eq!(window.rejections(), Rejections::default());
+    }
+
+    #[test]
+    fn a_card_that_was_away_for_minutes_is_heard_again() {
+        let mut window = ReorderWindow::new(DEFAULT_REORDER_WINDOW);
+        let frame = |ms| Sample { time: Timestamp::from_millis(ms), reading: Reading::CardFrame([0; 31]) };
+        // A round takes 1.005 s in the mean; one access point alone hears it.
+        let times: Vec<i64> = (0..50).chain(350..400).map(|k| 1_005 * k).collect();
+        let mut out = Vec::new();
+        for &ms in &times {
+            window.push(&frame(ms));
+            out.extend(core::iter::from_fn(|| window.pop_now()).map(|s| s.time.as_nanos() / 1_000_000));
+        }
+        assert_eq!(out, times);
+        assert_eq!(window.rejections(), Rejections::default());
+    }
+
+    #[test]
+    fn what_a_second_access_point_heard_a_little_before_is_kept() {
+        let mut window = ReorderWindow::new(DEFAULT_REORDER_WINDOW);
+        let at = |ms, reading| Sample { time: Timestamp::from_millis(ms), reading };
+        let heard = |k| RadioSighting { transmitter: TransmitterId::BleAddress([k; 6]), rssi_dbm: -70.0 };
+        window.push(&at(1_000, Reading::CardFrame([0; 31])));
+        assert!(window.pop_now().is_some());
+        window.push(&at(996, Reading::Radio(heard(2))));
+        window.push(&at(500, Reading::Radio(heard(3))));
+        assert!(window.pop_now().is_some_and(|sample| sample.reading == Reading::Radio(heard(2))));
+        assert_eq!(window.rejections(), Rejections { late: 1, ..Rejections::default() });
     }
 
     proptest! {

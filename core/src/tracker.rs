@@ -7,6 +7,7 @@ mod radar;
 mod start;
 #[cfg(test)]
 mod tests;
+mod unseen;
 mod weigh;
 
 use std::sync::Arc;

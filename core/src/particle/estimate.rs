@@ -5,7 +5,7 @@ use crate::particle::Particles;
 
 /// Width of a histogram bin for the radii, in metres.
 const BIN_M: f32 = 0.1;
-/// Bins; farther particles fall into the last one.
+/// Bins; farther particles fall into the last one, which ends where the farthest is.
 const N_BINS: usize = 1_024;
 
 /// What the cloud says.
@@ -43,11 +43,12 @@ pub enum Centre {
 #[derive(Clone, Debug)]
 pub struct EstimateScratch {
     histogram: Vec<f64>,
+    farthest_m: f64,
 }
 
 impl Default for EstimateScratch {
     fn default() -> Self {
-        Self { histogram: vec![0.0; N_BINS] }
+        Self { histogram: vec![0.0; N_BINS], farthest_m: 0.0 }
     }
 }
 
@@ -89,7 +90,7 @@ impl CloudEstimate {
             }
         };
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-        scratch.histogram.fill(0.0);
+        scratch.clear();
         for (i, &w) in weights.iter().enumerate() {
             let (dx, dy) = (f64::from(particles.x_m[i]) - x, f64::from(particles.y_m[i]) - y);
             let w = f64::from(w);
@@ -117,7 +118,7 @@ impl CloudEstimate {
         scratch: &mut EstimateScratch,
     ) -> Option<Self> {
         let (mut total, mut square, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        scratch.histogram.fill(0.0);
+        scratch.clear();
         for (place, w) in places {
             let (off, w) = (place - point, f64::from(w));
             total += w;
@@ -140,7 +141,13 @@ impl CloudEstimate {
 }
 
 impl EstimateScratch {
+    fn clear(&mut self) {
+        self.histogram.fill(0.0);
+        self.farthest_m = 0.0;
+    }
+
     fn add(&mut self, distance_m: f64, weight: f64) {
+        self.farthest_m = self.farthest_m.max(distance_m);
         let bin = (distance_m as f32 * (1.0 / BIN_M)) as usize;
         self.histogram[bin.min(N_BINS - 1)] += weight;
     }
@@ -151,17 +158,39 @@ impl EstimateScratch {
         for (bin, mass) in self.histogram.iter().enumerate() {
             if sum + mass >= weight {
                 let part = if *mass > 0.0 { (weight - sum) / mass } else { 0.0 };
+                if bin + 1 == N_BINS {
+                    let from_m = f64::from(BIN_M) * bin as f64;
+                    return from_m + part * (self.farthest_m - from_m).max(0.0);
+                }
                 return f64::from(BIN_M) * (bin as f64 + part);
             }
             sum += mass;
         }
-        f64::from(BIN_M) * N_BINS as f64
+        self.farthest_m
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cloud_of_a_whole_mall_is_as_wide_as_it_is() {
+        // A thousand particles along 600 m, about their middle.
+        let x_m: Vec<f32> = (0..1_000).map(|k| 0.6 * k as f32).collect();
+        let zeros = vec![0.0; 1_000];
+        let particles = Particles {
+            x_m,
+            y_m: zeros.clone(),
+            heading_sin: zeros.clone(),
+            heading_cos: zeros,
+            ..Particles::default()
+        };
+        let weights = vec![1.0; 1_000];
+        let estimate = CloudEstimate::of(&particles, &weights, &mut EstimateScratch::default()).unwrap();
+        assert!((estimate.radius_68_m - 0.68 * 300.0).abs() < 1.0, "{}", estimate.radius_68_m);
+        assert!((estimate.radius_95_m - 0.95 * 300.0).abs() < 1.0, "{}", estimate.radius_95_m);
+    }
 
     #[test]
     fn mean_covariance_and_size_by_hand() {

@@ -45,7 +45,7 @@ pub enum Register {
 /// CNTL1: software reset.
 pub(crate) const CNTL1_SRST: u8 = 1 << 7;
 /// CNTL1: the next read of COTR gives 0xAA.
-pub(crate) const CNTL1_COTC: u8 = 1 << 4;
+pub(crate) const CNTL1_COTC: u8 = 1 << 3;
 /// CNTL2: temperature, magnetometer, accelerometer on.
 pub(crate) const CNTL2_TEMP_EN: u8 = 1 << 6;
 pub(crate) const CNTL2_MAG_EN: u8 = 1 << 1;

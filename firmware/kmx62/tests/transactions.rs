@@ -64,7 +64,7 @@ fn a_reset_bears_that_the_part_is_gone_at_once() {
 #[test]
 fn the_command_test_turns_the_bits() {
     let test = |turned| {
-        let transactions = [read(0x3C, &[0x55]), write(&[0x39, 0x10]), read(0x3C, &[turned])];
+        let transactions = [read(0x3C, &[0x55]), write(&[0x39, 0x08]), read(0x3C, &[turned])];
         on_part(&transactions, async |part| part.command_test().await)
     };
     assert_eq!(test(0xAA), Ok(()));
