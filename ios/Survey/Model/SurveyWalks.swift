@@ -192,6 +192,16 @@ public struct SurveyState: Sendable, Equatable {
     public var canUndoWalk: Bool { phase == .idle && nWalks > 0 }
     public var canBuild: Bool { phase == .idle && nWalks > 0 }
 
+    /// Whether leaving the survey loses walks: they are kept in memory only.
+    public var isLostWhenLeft: Bool { phase != .idle || nWalks > 0 }
+
+    /// What leaving loses, and what to do about it.
+    public var lossWhenLeft: String {
+        let ended = nWalks == 1 ? "1 walk" : "\(nWalks) walks"
+        let lost = nWalks == 0 ? "the walk that is on" : canEnd ? "\(ended) and the walk that is on" : ended
+        return "Walks are kept in memory only, and leaving loses \(lost): build the map and export it first."
+    }
+
     /// One line on how far the survey is.
     public var summary: String {
         let walks = nWalks == 1 ? "1 walk" : "\(nWalks) walks"

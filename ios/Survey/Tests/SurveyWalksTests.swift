@@ -141,6 +141,19 @@ struct SurveyWalksTests {
         state.taps = [Point2(xM: 0, yM: 0)]
         #expect(state.canUndoTap == (phase == .walking))
     }
+
+    @Test func leavingLosesNothingBeforeTheFirstWalkAndSaysWhatItLosesAfterwards() async {
+        let walks = walks()
+        #expect(await !walks.look().isLostWhenLeft)
+        await walks.beginWalk()
+        #expect(await walks.look().isLostWhenLeft)
+        #expect(await walks.look().lossWhenLeft.contains("loses the walk that is on:"))
+        await walks.endWalk()
+        #expect(await walks.look().isLostWhenLeft)
+        #expect(await walks.look().lossWhenLeft.contains("loses 1 walk:"))
+        await walks.undoWalk()
+        #expect(await !walks.look().isLostWhenLeft)
+    }
 }
 
 /// An engine that writes down what it is told.
