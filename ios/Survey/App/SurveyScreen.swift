@@ -25,16 +25,19 @@
             .padding()
             .navigationTitle(model.floor)
             // Without the button there is no swipe either.
-            .navigationBarBackButtonHidden(model.state.isLostWhenLeft)
+            .navigationBarBackButtonHidden(model.state.isPausedToLeave)
             .toolbar {
-                if model.state.isLostWhenLeft {
+                if model.state.isPausedToLeave {
                     ToolbarItem(placement: .navigationBarLeading) { Button("Leave…") { isLeaving = true } }
                 }
             }
             .confirmationDialog("Leave the survey?", isPresented: $isLeaving, titleVisibility: .visible) {
-                Button("Drop the survey", role: .destructive) { dismiss() }
+                Button("Pause the walk and leave") {
+                    model.tell { $0.pause() }
+                    dismiss()
+                }
             } message: {
-                Text(model.state.lossWhenLeft)
+                Text("A walk is on. The start screen continues the survey.")
             }
             .task { await model.watch() }
             // A screen that locks suspends the app in the middle of a walk.

@@ -142,17 +142,27 @@ struct SurveyWalksTests {
         #expect(state.canUndoTap == (phase == .walking))
     }
 
-    @Test func leavingLosesNothingBeforeTheFirstWalkAndSaysWhatItLosesAfterwards() async {
+    @Test func aWalkIsPausedBeforeTheSurveyIsLeft() async {
         let walks = walks()
-        #expect(await !walks.look().isLostWhenLeft)
+        #expect(await !walks.look().isPausedToLeave)
         await walks.beginWalk()
-        #expect(await walks.look().isLostWhenLeft)
-        #expect(await walks.look().lossWhenLeft.contains("loses the walk that is on:"))
+        #expect(await walks.look().isPausedToLeave)
+        await walks.pause()
+        #expect(await !walks.look().isPausedToLeave)
+    }
+
+    @Test func whatOutlivedTheAppIsTakenInOnceBeforeAllElse() async {
+        engine.kept = [
+            WalkSummary(isUsed: true, remedy: "", nSteps: 5, routeM: 3),
+            WalkSummary(isUsed: false, remedy: "tap more", nSteps: 0, routeM: 0),
+        ]
+        let walks = walks()
+        let state = await walks.look()
+        #expect(state.nWalks == 1 && state.routeM == 3 && state.message == "tap more" && state.canBuild)
+        await walks.beginWalk()
         await walks.endWalk()
-        #expect(await walks.look().isLostWhenLeft)
-        #expect(await walks.look().lossWhenLeft.contains("loses 1 walk:"))
-        await walks.undoWalk()
-        #expect(await !walks.look().isLostWhenLeft)
+        #expect(await walks.look().nWalks == 2)
+        #expect(engine.calls == ["begin walk 2", "end"])
     }
 }
 
@@ -164,12 +174,14 @@ private final class RecordingEngine: SurveyEngine, @unchecked Sendable {
     private var nEnded = 0
     var remedy = ""
     var refusal: ApiError?
+    var kept: [WalkSummary] = []
 
     var calls: [String] { lock.withLock { told } }
 
     private func tell(_ call: String) { lock.withLock { told.append(call) } }
 
     func plan() -> PlanLines { PlanLines(widthM: 10, heightM: 10) }
+    func restore() -> [WalkSummary] { kept }
     func beginWalk(_ name: String) { tell("begin \(name)") }
 
     func push(_ batch: Data) throws {
@@ -185,7 +197,7 @@ private final class RecordingEngine: SurveyEngine, @unchecked Sendable {
 
     func undoTap() -> Point2? { taps.popLast() }
 
-    func pause() { tell("pause") }
+    func pause(atNs timeNs: Int64) { tell("pause") }
     func resume() { tell("resume") }
 
     func endWalk() -> WalkSummary {
