@@ -31,7 +31,10 @@
                     TextEditor(text: $beacons).font(.body.monospaced()).frame(minHeight: 60)
                 }
                 Button("Choose the floor plan (GeoJSON)…") {
-                    if kept == nil { isChoosing = true } else { isReplacing = true }
+                    attempt {
+                        _ = try beaconUUIDs(in: beacons)
+                        if kept == nil { isChoosing = true } else { isReplacing = true }
+                    }
                 }
                 .disabled(floor.isEmpty)
                 .confirmationDialog("Begin a new survey?", isPresented: $isReplacing, titleVisibility: .visible) {
@@ -54,10 +57,9 @@
         private func open(_ file: URL) throws {
             let isScoped = file.startAccessingSecurityScopedResource()
             defer { if isScoped { file.stopAccessingSecurityScopedResource() } }
-            let uuids = beacons.split(whereSeparator: \.isWhitespace).compactMap { UUID(uuidString: String($0)) }
-            try SurveyFolder.ofApp().create(
-                plan: Data(contentsOf: file),
-                floor: SurveyFolder.Floor(name: floor, ordinal: Int32(ordinal), beaconUUIDs: uuids))
+            let surveyed = SurveyFolder.Floor(
+                name: floor, ordinal: Int32(ordinal), beaconUUIDs: try beaconUUIDs(in: beacons))
+            try SurveyFolder.ofApp().create(plan: Data(contentsOf: file), floor: surveyed)
             survey = nil
             try resume()
         }
@@ -68,9 +70,16 @@
                 let folder = try SurveyFolder.ofApp()
                 let engine = try SurveyorEngine(folder: folder)
                 let floor = engine.floor
+                let beacons = BeaconWatch { report in
+                    IbeaconRanging(uuids: floor.beaconUUIDs) { trouble in
+                        switch trouble {
+                        case .notAuthorized: report(.notAuthorized)
+                        case .rangingFailed: report(.rangingFailed)
+                        }
+                    }
+                }
                 survey = SurveyScreenModel(
-                    floor: floor.name, engine: engine,
-                    sensors: [MotionSensors(), IbeaconRanging(uuids: floor.beaconUUIDs)])
+                    floor: floor.name, engine: engine, sensors: [MotionSensors()], beacons: beacons)
             }
             isSurveying = true
         }

@@ -1,8 +1,8 @@
 import Fieldwalk
 import Foundation
 
-/// A survey on disk, so that it outlives the app: the plan, a recording of every walk, and beside each what a recording has
-/// no word for, which waypoints were taken back and when the walk stood still.
+/// A survey on disk, so that it outlives the app: the plan, a recording of every walk, and beside each what a recording
+/// has no word for, which waypoints were taken back and when the walk stood still.
 public struct SurveyFolder: Sendable {
     /// What is surveyed.
     public struct Floor: Codable, Sendable, Equatable {

@@ -5,6 +5,7 @@ import Foundation
 public actor SurveyWalks {
     private let engine: any SurveyEngine
     private let sensors: [any SensorSource]
+    private let beacons: BeaconWatch?
     private let nowNs: @Sendable () -> Int64
     private var run: SensorRun?
     private var state = SurveyState()
@@ -15,12 +16,15 @@ public actor SurveyWalks {
     /// - Parameters:
     ///   - engine: surveys one floor
     ///   - sensors: where samples come from during a walk
+    ///   - beacons: where beacons come from; what keeps them from being heard is among the remedies
     ///   - nowNs: the clock of the samples
     public init(
-        engine: any SurveyEngine, sensors: [any SensorSource], nowNs: @escaping @Sendable () -> Int64 = SensorClock.nowNs
+        engine: any SurveyEngine, sensors: [any SensorSource], beacons: BeaconWatch? = nil,
+        nowNs: @escaping @Sendable () -> Int64 = SensorClock.nowNs
     ) {
         self.engine = engine
-        self.sensors = sensors
+        self.sensors = sensors + (beacons.map { [$0] } ?? [])
+        self.beacons = beacons
         self.nowNs = nowNs
         state.coverage = try? engine.coverage()
     }
@@ -33,7 +37,9 @@ public actor SurveyWalks {
     public func look() -> SurveyState {
         restore()
         if state.canEnd, let progress = try? engine.progress() {
-            (state.nSteps, state.remedies) = (progress.nSteps, progress.remedies)
+            // The engine misses no radio: a survey needs none.
+            let remedies = progress.remedies + [beacons?.trouble?.remedy].compactMap { $0 }
+            (state.nSteps, state.remedies) = (progress.nSteps, remedies)
         } else {
             state.remedies = []
         }

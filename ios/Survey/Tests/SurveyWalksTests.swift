@@ -164,6 +164,29 @@ struct SurveyWalksTests {
         #expect(await walks.look().nWalks == 2)
         #expect(engine.calls == ["begin walk 2", "end"])
     }
+
+    @Test func whatKeepsBeaconsFromBeingHeardIsShownUntilOneIsHeard() async {
+        var report: (@Sendable (BeaconTrouble) -> Void)?
+        let beacons = BeaconWatch {
+            report = $0
+            return sensors
+        }
+        let walks = SurveyWalks(engine: engine, sensors: [], beacons: beacons, nowNs: { 1_000 })
+        await walks.beginWalk()
+        #expect(await walks.look().remedies == ["switch Bluetooth on"])
+        report?(.notAuthorized)
+        #expect(await walks.look().remedies == ["switch Bluetooth on", BeaconTrouble.notAuthorized.remedy])
+        sensors.deliver(1)
+        #expect(await walks.look().remedies == ["switch Bluetooth on"])
+        report?(.rangingFailed)
+        #expect(await walks.look().remedies.last == BeaconTrouble.rangingFailed.remedy)
+        await walks.endWalk()
+        #expect(sensors.isStopped)
+        #expect(await walks.look().remedies.isEmpty)
+        // The next walk's source says it again, if it is so.
+        await walks.beginWalk()
+        #expect(await walks.look().remedies == ["switch Bluetooth on"])
+    }
 }
 
 /// An engine that writes down what it is told.
