@@ -48,13 +48,18 @@ public actor PositioningSession {
 
     /// Starts the sensors and gives a fix for every step.
     ///
-    /// A reader that lags behind finds the newest 256 fixes.
+    /// A reader that lags behind finds the newest 256 fixes. Where nobody reads the earlier stream any more, its sensors
+    /// are stopped first.
     ///
     /// - Throws: ``SessionError/alreadyStarted``, ``SessionError/closed``, and what the sensors throw; none of them
     ///   is running then.
     public func start() throws -> AsyncStream<Fix> {
         let positioner = try open()
-        guard run?.isOver ?? true else { throw SessionError.alreadyStarted }
+        if let run {
+            guard run.isEnding else { throw SessionError.alreadyStarted }
+            // It would stop the sensors that this one starts.
+            run.endAndWait()
+        }
         let (stream, continuation) = AsyncStream.makeStream(of: Fix.self, bufferingPolicy: .bufferingNewest(256))
         let run = SensorRun(
             sensors: sensors, latency: latency,

@@ -13,8 +13,13 @@ package final class SensorRun: @unchecked Sendable {
     private let lock = NSLock()
     private var batch = SampleBatch()
     private var firstNs: Int64?
-    private var over = false
+    private var ending = false
     private var error: (any Error)?
+
+    /// Guards what follows. Nothing is called while it is held: a task that is cancelled asks for it under its own lock.
+    private let condition = NSCondition()
+    private var left = false
+    private var over = false
 
     /// - Parameters:
     ///   - latency: samples of so long are handed over at once, in seconds, 0 to 1
@@ -30,7 +35,10 @@ package final class SensorRun: @unchecked Sendable {
         self.finish = finish
     }
 
-    package var isOver: Bool { lock.withLock { over } }
+    /// Whether it ends now or has ended, or will in a moment since nobody reads its stream.
+    package var isEnding: Bool { condition.withLock { left } || lock.withLock { ending } }
+    /// Whether its sensors have stopped.
+    package var isOver: Bool { condition.withLock { over } }
     package var failure: (any Error)? { lock.withLock { error } }
 
     /// Starts every sensor, or none.
@@ -52,17 +60,31 @@ package final class SensorRun: @unchecked Sendable {
     }
 
     /// Stops the sensors and pushes what is left; once.
+    ///
+    /// While another thread does so it does not wait: that thread may wait for this one, which delivers.
     package func end() {
         let isFirst = lock.withLock {
-            if over { return false }
+            if ending { return false }
             pushBatch()
-            over = true
+            ending = true
             return true
         }
         guard isFirst else { return }
         // Outside the lock: both may wait for a thread that is about to deliver.
         sensors.forEach { $0.stop() }
         finish(failure)
+        condition.withLock {
+            over = true
+            condition.broadcast()
+        }
+    }
+
+    /// As ``end()``, and waits until the sensors have stopped, whoever stops them: not for a thread that delivers.
+    package func endAndWait() {
+        end()
+        condition.withLock {
+            while !over { condition.wait() }
+        }
     }
 
     /// Ends the run, soon, when nobody reads the stream of `continuation` any more.
@@ -71,13 +93,14 @@ package final class SensorRun: @unchecked Sendable {
             // Not here: a task that is cancelled holds its own lock now, a sensor that delivers meanwhile holds the run's,
             // and each would wait for the other.
             guard let self else { return }
+            condition.withLock { self.left = true }
             DispatchQueue.global().async { self.end() }
         }
     }
 
     private func take(_ sample: SensorSample) {
         let hasFailed = lock.withLock {
-            if over { return false }
+            if ending { return false }
             let firstNs = self.firstNs ?? sample.timeNs
             self.firstNs = firstNs
             batch.append(sample)

@@ -8,6 +8,8 @@
     struct SurveyScreen: View {
         @ObservedObject var model: SurveyScreenModel
         @State private var isExporting = false
+        @State private var isLeaving = false
+        @Environment(\.dismiss) private var dismiss
 
         var body: some View {
             VStack(spacing: 8) {
@@ -22,6 +24,21 @@
             }
             .padding()
             .navigationTitle(model.floor)
+            // Without the button there is no swipe either.
+            .navigationBarBackButtonHidden(model.state.isPausedToLeave)
+            .toolbar {
+                if model.state.isPausedToLeave {
+                    ToolbarItem(placement: .navigationBarLeading) { Button("Leave…") { isLeaving = true } }
+                }
+            }
+            .confirmationDialog("Leave the survey?", isPresented: $isLeaving, titleVisibility: .visible) {
+                Button("Pause the walk and leave") {
+                    model.tell { $0.pause() }
+                    dismiss()
+                }
+            } message: {
+                Text("A walk is on. The start screen continues the survey.")
+            }
             .task { await model.watch() }
             // A screen that locks suspends the app in the middle of a walk.
             .onAppear { UIApplication.shared.isIdleTimerDisabled = true }

@@ -12,10 +12,10 @@
         let plan: PlanLines
         private let walks: SurveyWalks
 
-        init(floor: String, engine: any SurveyEngine, sensors: [any SensorSource]) {
+        init(floor: String, engine: any SurveyEngine, sensors: [any SensorSource], beacons: BeaconWatch) {
             self.floor = floor
             plan = engine.plan()
-            walks = SurveyWalks(engine: engine, sensors: sensors)
+            walks = SurveyWalks(engine: engine, sensors: sensors, beacons: beacons)
         }
 
         /// Looks twice a second, until the screen goes.

@@ -5,6 +5,8 @@ import Foundation
 public protocol SurveyEngine: Sendable {
     /// The plan that is surveyed.
     func plan() -> PlanLines
+    /// Takes in the walks that outlived the app, and tells of each what became of it; once, before any walk begins.
+    func restore() throws -> [WalkSummary]
     /// Begins a walk; its name is for messages.
     func beginWalk(_ name: String) throws
     /// Takes samples in; those that come during a pause are dropped.
@@ -14,7 +16,7 @@ public protocol SurveyEngine: Sendable {
     /// Takes the last waypoint of the walk back, and gives it; nothing when there is none.
     func undoTap() throws -> Point2?
     /// Pauses the walk.
-    func pause() throws
+    func pause(atNs timeNs: Int64) throws
     /// Goes on with it, from wherever the surveyor is now.
     func resume() throws
     /// Ends the walk.
@@ -59,7 +61,7 @@ public struct WalkProgress: Sendable, Equatable {
 public struct WalkSummary: Sendable, Equatable {
     /// Whether the map can use it; one that it cannot use is dropped.
     public var isUsed: Bool
-    /// What to do otherwise next time; empty for a walk that is used.
+    /// What to do otherwise next time, or about a disk that did not take the walk; empty when all is well.
     public var remedy: String
     public var nSteps: Int
     public var routeM: Double

@@ -5,19 +5,26 @@ import Foundation
 public actor SurveyWalks {
     private let engine: any SurveyEngine
     private let sensors: [any SensorSource]
+    private let beacons: BeaconWatch?
     private let nowNs: @Sendable () -> Int64
     private var run: SensorRun?
     private var state = SurveyState()
+    private var isRestored = false
 
+    /// A survey with the walks that outlived the app: the first look takes them in.
+    ///
     /// - Parameters:
     ///   - engine: surveys one floor
     ///   - sensors: where samples come from during a walk
+    ///   - beacons: where beacons come from; what keeps them from being heard is among the remedies
     ///   - nowNs: the clock of the samples
     public init(
-        engine: any SurveyEngine, sensors: [any SensorSource], nowNs: @escaping @Sendable () -> Int64 = SensorClock.nowNs
+        engine: any SurveyEngine, sensors: [any SensorSource], beacons: BeaconWatch? = nil,
+        nowNs: @escaping @Sendable () -> Int64 = SensorClock.nowNs
     ) {
         self.engine = engine
-        self.sensors = sensors
+        self.sensors = sensors + (beacons.map { [$0] } ?? [])
+        self.beacons = beacons
         self.nowNs = nowNs
         state.coverage = try? engine.coverage()
     }
@@ -28,17 +35,21 @@ public actor SurveyWalks {
 
     /// What to show.
     public func look() -> SurveyState {
+        restore()
         if state.canEnd, let progress = try? engine.progress() {
-            (state.nSteps, state.remedies) = (progress.nSteps, progress.remedies)
+            // The engine misses no radio: a survey needs none.
+            let remedies = progress.remedies + [beacons?.trouble?.remedy].compactMap { $0 }
+            (state.nSteps, state.remedies) = (progress.nSteps, remedies)
         } else {
             state.remedies = []
         }
-        if let failure = run?.failure { state.message = Self.text(of: failure) }
+        if let failure = run?.failure { state.message = remedy(of: failure) }
         return state
     }
 
     /// Begins a walk and starts the sensors; a walk whose sensors do not start has not begun.
     public func beginWalk() {
+        restore()
         attempt(from: .idle) {
             try engine.beginWalk("walk \(state.nWalks + 1)")
             let engine = self.engine
@@ -79,7 +90,7 @@ public actor SurveyWalks {
     public func pause() {
         attempt(from: .walking) {
             run?.flush()
-            try engine.pause()
+            try engine.pause(atNs: nowNs())
             state.phase = .paused
         }
     }
@@ -101,14 +112,7 @@ public actor SurveyWalks {
             run?.end()
             run = nil
             (state.phase, state.taps) = (.idle, [])
-            let summary = try engine.endWalk()
-            if summary.isUsed {
-                state.nWalks += 1
-                state.routeM += summary.routeM
-                state.walkLengthsM.append(summary.routeM)
-            } else {
-                state.message = summary.remedy
-            }
+            take(try engine.endWalk())
             refreshCoverage()
         }
     }
@@ -135,7 +139,7 @@ public actor SurveyWalks {
         case .success(let map):
             return map
         case .failure(let error):
-            state.message = Self.text(of: error)
+            state.message = remedy(of: error)
             return nil
         }
     }
@@ -143,20 +147,37 @@ public actor SurveyWalks {
     private func attempt(from phase: SurveyState.Phase, _ step: () throws -> Void) {
         guard state.phase == phase else { return }
         state.message = nil
-        do { try step() } catch { state.message = Self.text(of: error) }
+        do { try step() } catch { state.message = remedy(of: error) }
     }
 
     private func refreshCoverage() {
         if let coverage = try? engine.coverage() { state.coverage = coverage }
     }
 
-    /// What to tell the surveyor: of the engine's errors the remedy.
-    private static func text(of error: any Error) -> String {
-        guard let error = error as? ApiError else { return "\(error)" }
-        let fields = Mirror(reflecting: error).children.first.map { Mirror(reflecting: $0.value).children }
-        let remedy = fields?.first { $0.label == "remedy" }?.value as? String
-        return remedy ?? error.localizedDescription
+    private func restore() {
+        if isRestored { return }
+        isRestored = true
+        attempt(from: .idle) {
+            try engine.restore().forEach(take)
+            refreshCoverage()
+        }
     }
+
+    private func take(_ summary: WalkSummary) {
+        if !summary.remedy.isEmpty { state.message = summary.remedy }
+        guard summary.isUsed else { return }
+        state.nWalks += 1
+        state.routeM += summary.routeM
+        state.walkLengthsM.append(summary.routeM)
+    }
+}
+
+/// What to tell the surveyor: of the engine's errors the remedy.
+func remedy(of error: any Error) -> String {
+    guard let error = error as? ApiError else { return "\(error)" }
+    let fields = Mirror(reflecting: error).children.first.map { Mirror(reflecting: $0.value).children }
+    let remedy = fields?.first { $0.label == "remedy" }?.value as? String
+    return remedy ?? error.localizedDescription
 }
 
 /// What the screen shows.
@@ -191,6 +212,9 @@ public struct SurveyState: Sendable, Equatable {
     public var canEnd: Bool { phase == .walking || phase == .paused }
     public var canUndoWalk: Bool { phase == .idle && nWalks > 0 }
     public var canBuild: Bool { phase == .idle && nWalks > 0 }
+
+    /// Whether a walk is to be paused before the survey is left: its samples would be of another way.
+    public var isPausedToLeave: Bool { phase == .walking }
 
     /// One line on how far the survey is.
     public var summary: String {

@@ -141,6 +141,52 @@ struct SurveyWalksTests {
         state.taps = [Point2(xM: 0, yM: 0)]
         #expect(state.canUndoTap == (phase == .walking))
     }
+
+    @Test func aWalkIsPausedBeforeTheSurveyIsLeft() async {
+        let walks = walks()
+        #expect(await !walks.look().isPausedToLeave)
+        await walks.beginWalk()
+        #expect(await walks.look().isPausedToLeave)
+        await walks.pause()
+        #expect(await !walks.look().isPausedToLeave)
+    }
+
+    @Test func whatOutlivedTheAppIsTakenInOnceBeforeAllElse() async {
+        engine.kept = [
+            WalkSummary(isUsed: true, remedy: "", nSteps: 5, routeM: 3),
+            WalkSummary(isUsed: false, remedy: "tap more", nSteps: 0, routeM: 0),
+        ]
+        let walks = walks()
+        let state = await walks.look()
+        #expect(state.nWalks == 1 && state.routeM == 3 && state.message == "tap more" && state.canBuild)
+        await walks.beginWalk()
+        await walks.endWalk()
+        #expect(await walks.look().nWalks == 2)
+        #expect(engine.calls == ["begin walk 2", "end"])
+    }
+
+    @Test func whatKeepsBeaconsFromBeingHeardIsShownUntilOneIsHeard() async {
+        var report: (@Sendable (BeaconTrouble) -> Void)?
+        let beacons = BeaconWatch {
+            report = $0
+            return sensors
+        }
+        let walks = SurveyWalks(engine: engine, sensors: [], beacons: beacons, nowNs: { 1_000 })
+        await walks.beginWalk()
+        #expect(await walks.look().remedies == ["switch Bluetooth on"])
+        report?(.notAuthorized)
+        #expect(await walks.look().remedies == ["switch Bluetooth on", BeaconTrouble.notAuthorized.remedy])
+        sensors.deliver(1)
+        #expect(await walks.look().remedies == ["switch Bluetooth on"])
+        report?(.rangingFailed)
+        #expect(await walks.look().remedies.last == BeaconTrouble.rangingFailed.remedy)
+        await walks.endWalk()
+        #expect(sensors.isStopped)
+        #expect(await walks.look().remedies.isEmpty)
+        // The next walk's source says it again, if it is so.
+        await walks.beginWalk()
+        #expect(await walks.look().remedies == ["switch Bluetooth on"])
+    }
 }
 
 /// An engine that writes down what it is told.
@@ -151,12 +197,14 @@ private final class RecordingEngine: SurveyEngine, @unchecked Sendable {
     private var nEnded = 0
     var remedy = ""
     var refusal: ApiError?
+    var kept: [WalkSummary] = []
 
     var calls: [String] { lock.withLock { told } }
 
     private func tell(_ call: String) { lock.withLock { told.append(call) } }
 
     func plan() -> PlanLines { PlanLines(widthM: 10, heightM: 10) }
+    func restore() -> [WalkSummary] { kept }
     func beginWalk(_ name: String) { tell("begin \(name)") }
 
     func push(_ batch: Data) throws {
@@ -172,7 +220,7 @@ private final class RecordingEngine: SurveyEngine, @unchecked Sendable {
 
     func undoTap() -> Point2? { taps.popLast() }
 
-    func pause() { tell("pause") }
+    func pause(atNs timeNs: Int64) { tell("pause") }
     func resume() { tell("resume") }
 
     func endWalk() -> WalkSummary {

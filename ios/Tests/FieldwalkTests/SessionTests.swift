@@ -60,6 +60,39 @@ struct SessionTests {
         #expect(await eventually { sensors.nRunning == 0 })
     }
 
+    /// The earlier run ends on another thread, and is slow at it.
+    @Test func startingRightAfterTheReaderIsGoneMeetsNothingOfTheEarlierRun() async throws {
+        let sensors = SlowToStop()
+        let session = try session([sensors])
+        let n = 200
+        for _ in 0..<n {
+            let stream = try await session.start()
+            let reader = Task { for await _ in stream {} }
+            reader.cancel()
+            await reader.value
+            // And a stream that nobody holds.
+            _ = try await session.start()
+        }
+        let stream = try await session.start()
+        #expect(sensors.isRunning)
+        await #expect(throws: SessionError.alreadyStarted) { _ = try await session.start() }
+        await session.stop()
+        for await _ in stream {}
+        #expect(sensors.log == String(repeating: "+-", count: 2 * n + 1))
+    }
+
+    @Test func aRunIsOverWhenItsSensorsHaveStopped() async throws {
+        let sensors = SlowToStop()
+        let run = SensorRun(sensors: [sensors], latency: 0, push: { _ in throw CancellationError() }, finish: { _ in })
+        try run.begin()
+        Thread.detachNewThread { sensors.deliver(.pressure(timeNs: 0, hpa: 1000)) }
+        #expect(await eventually { run.isEnding })
+        if run.isOver { #expect(!sensors.isRunning) }
+        run.endAndWait()
+        #expect(run.isOver && !sensors.isRunning && sensors.log == "+-")
+        #expect(run.failure is CancellationError)
+    }
+
     /// Otherwise the two would wait for each other: the sensor's thread holds the run and wants to wake the task, which is being
     /// cancelled and wants the run to end.
     @Test func aCancellationDoesNotWaitForASensorThatDelivers() async throws {
@@ -177,5 +210,36 @@ struct SessionTests {
         following.cancel()
         try await following.value
         #expect(await eventually { sensors.nRunning == 0 })
+    }
+}
+
+/// Sensors that take a while to stop, and write down in which order they were started and stopped.
+private final class SlowToStop: SensorSource, @unchecked Sendable {
+    private let lock = NSLock()
+    private var sink: (@Sendable (SensorSample) -> Void)?
+    private var calls = ""
+
+    /// A plus for each start, a minus for each stop.
+    var log: String { lock.withLock { calls } }
+    var isRunning: Bool { lock.withLock { sink != nil } }
+
+    func start(_ deliver: @escaping @Sendable (SensorSample) -> Void) {
+        lock.withLock {
+            sink = deliver
+            calls += "+"
+        }
+    }
+
+    func stop() {
+        Thread.sleep(forTimeInterval: 0.002)
+        lock.withLock {
+            sink = nil
+            calls += "-"
+        }
+    }
+
+    func deliver(_ sample: SensorSample) {
+        let sink = lock.withLock { self.sink }
+        sink?(sample)
     }
 }

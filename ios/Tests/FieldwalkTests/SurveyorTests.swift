@@ -6,9 +6,13 @@ import Testing
 
 /// The survey app's logic on Fieldwalk's own surveyor: the simulated walk becomes a map.
 struct SurveyorTests {
+    private let temporary = TemporaryFolder()
+
     private func engine() throws -> SurveyorEngine {
         let plan = try Data(contentsOf: Walk.folder.appendingPathComponent("plan.geojson"))
-        return try SurveyorEngine(plan: plan, floor: "F1", ordinal: 0)
+        let folder = newFolder()
+        try folder.create(plan: plan, floor: SurveyFolder.Floor(name: "F1", ordinal: 0))
+        return try SurveyorEngine(folder: folder)
     }
 
     @Test func aWalkWithTapsBecomesAMapThatPositions() async throws {
@@ -80,17 +84,29 @@ struct SurveyorTests {
 
     @Test func whatIsNoPlanIsRefused() {
         for plan in [Data(), Data("{}".utf8), Data("[1, 2".utf8)] {
-            let refused = refusal { _ = try SurveyorEngine(plan: plan, floor: "F1", ordinal: 0) }
+            let refused = refusal {
+                try newFolder().create(plan: plan, floor: SurveyFolder.Floor(name: "F1", ordinal: 0))
+            }
             #expect(refused?.code == "PlanMalformed")
         }
+    }
+
+    private func newFolder() -> SurveyFolder {
+        SurveyFolder(temporary.url.appendingPathComponent("\(UUID())"))
     }
 }
 
 /// Sensors that deliver what they are given.
-private final class Hand: SensorSource, @unchecked Sendable {
+final class Hand: SensorSource, @unchecked Sendable {
     private var sink: (@Sendable (SensorSample) -> Void)?
     var nowNs: Int64 = 0
     func start(_ deliver: @escaping @Sendable (SensorSample) -> Void) { sink = deliver }
     func stop() { sink = nil }
     func deliver(_ sample: SensorSample) { sink?(sample) }
+}
+
+/// A folder that goes with whoever holds it.
+final class TemporaryFolder: Sendable {
+    let url = FileManager.default.temporaryDirectory.appendingPathComponent("fieldwalk-\(UUID())")
+    deinit { try? FileManager.default.removeItem(at: url) }
 }
