@@ -69,10 +69,14 @@ class PositioningSession internal constructor(
     }.buffer(256, BufferOverflow.DROP_OLDEST)
 
     /** Runs the sensors also while nobody collects, such as in [PositioningService]. */
-    fun start() = synchronized(lock) {
-        check(!isClosed) { "the session is closed" }
+    fun start() = check(startUnlessClosed()) { "the session is closed" }
+
+    /** Whether it could be started. */
+    internal fun startUnlessClosed(): Boolean = synchronized(lock) {
+        if (isClosed) return false
         isStarted = true
         run()
+        true
     }
 
     /** Stops the sensors and ends every flow of [fixes]. */
