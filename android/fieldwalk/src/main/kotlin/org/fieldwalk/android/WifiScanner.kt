@@ -4,10 +4,8 @@ import android.annotation.SuppressLint
 import android.content.BroadcastReceiver
 import android.content.Context
 import android.content.Intent
-import android.content.IntentFilter
 import android.net.wifi.ScanResult
 import android.net.wifi.WifiManager
-import android.os.Build
 import android.os.Handler
 import android.os.SystemClock
 
@@ -26,12 +24,7 @@ internal class WifiScanner(private val context: Context, private val handler: Ha
     fun advance() {
         if (wifi == null || Permissions.locationTrouble(context) != null) return
         if (!isListening) {
-            val filter = IntentFilter(WifiManager.SCAN_RESULTS_AVAILABLE_ACTION)
-            if (Build.VERSION.SDK_INT >= Build.VERSION_CODES.TIRAMISU) {
-                context.registerReceiver(receiver, filter, null, handler, Context.RECEIVER_NOT_EXPORTED)
-            } else {
-                context.registerReceiver(receiver, filter, null, handler)
-            }
+            context.listen(receiver, listOf(WifiManager.SCAN_RESULTS_AVAILABLE_ACTION), handler)
             isListening = true
         }
         if (synchronized(budget) { budget.take(SystemClock.elapsedRealtime()) }) {
