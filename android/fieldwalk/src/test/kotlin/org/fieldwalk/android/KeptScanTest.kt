@@ -85,7 +85,8 @@ class KeptScanTest {
     @Test
     fun `a scan that fails is told of, and begun again as often as Android allows`() {
         phone.grantAll()
-        val both = listOf({ sensors.start() } to { troubles.firstOrNull() }, { listen() } to cards::trouble)
+        fun ofBeacons() = troubles.find { it.kind == TroubleKind.BLUETOOTH_FAILED }
+        val both = listOf({ sensors.start() } to ::ofBeacons, { listen() } to cards::trouble)
         for ((begin, trouble) in both) {
             begin()
             repeat(3) {

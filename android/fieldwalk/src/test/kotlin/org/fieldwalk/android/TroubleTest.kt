@@ -117,6 +117,38 @@ class TroubleTest {
     }
 
     @Test
+    fun `sensors that all fall silent, as when they are switched off, and speak again`() {
+        val phone = SimulatedPhone().also { it.grantAll() }
+        val session = begin(phone)
+        fun speak() = phone.sense(Sensor.TYPE_GYROSCOPE, SensorClock.nowNs(), 0f, 0f, 0f)
+        repeat(7) {
+            phone.pass(1_000)
+            speak()
+        }
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        phone.pass(4_900)
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        repeat(2) {
+            phone.pass(1_000)
+            // Air pressure is no motion.
+            phone.sense(Sensor.TYPE_PRESSURE, SensorClock.nowNs(), 1_000f)
+        }
+        assertEquals(listOf(TroubleKind.SENSORS_SILENT), session.kinds())
+        assertTrue(session.status.value.isRunning)
+        speak()
+        phone.pass(1_000)
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        // Never heard since the start.
+        session.stop()
+        phone.pass(60_000)
+        session.start()
+        phone.settle()
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        phone.pass(6_000)
+        assertEquals(listOf(TroubleKind.SENSORS_SILENT), session.kinds())
+    }
+
+    @Test
     fun `a magnetometer that mistrusts itself`() {
         val phone = SimulatedPhone().also { it.grantAll() }
         val told = mutableListOf<List<Trouble>>()
