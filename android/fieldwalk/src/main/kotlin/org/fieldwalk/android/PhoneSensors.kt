@@ -15,6 +15,7 @@ class PhoneSensors internal constructor(
     context: Context,
     private val sensing: Sensing,
     private val ibeaconUuids: List<ByteArray>,
+    private val hasAccessPoints: Boolean,
     private val sink: BatchSink,
     private val pushed: () -> Unit,
     private val report: (List<Trouble>) -> Unit,
@@ -22,6 +23,8 @@ class PhoneSensors internal constructor(
 ) {
     /**
      * @param ibeaconUuids by which a map knows its beacons, [BuildingMap.ibeaconUuids]; all others are known by their address
+     * @param hasAccessPoints whether a map has some, [BuildingMap.hasAccessPoints], or a survey looks for some: only then
+     *   it is told that WiFi is switched off
      * @param push takes a batch, valid during the call only, on the thread of the sensors; one that throws ends the sensors; it
      *   must not call this object
      * @param pushed called after every batch, free to call anything
@@ -32,11 +35,12 @@ class PhoneSensors internal constructor(
         context: Context,
         sensing: Sensing = Sensing(),
         ibeaconUuids: List<ByteArray> = emptyList(),
+        hasAccessPoints: Boolean = true,
         push: (ByteBuffer) -> Unit,
         pushed: () -> Unit = {},
         report: (List<Trouble>) -> Unit = {},
         fail: (Throwable) -> Unit = {},
-    ) : this(context, sensing, ibeaconUuids, BatchSink { push(it.bytes()) }, pushed, report, fail)
+    ) : this(context, sensing, ibeaconUuids, hasAccessPoints, BatchSink { push(it.bytes()) }, pushed, report, fail)
 
     private val context = context.applicationContext
     private var session: Session? = null
@@ -75,7 +79,7 @@ class PhoneSensors internal constructor(
         }
         private val motion = MotionSensors(context, sensing, watch.handler, run, watch::lookSoon)
         private val beacons = BeaconScanner(context, sensing.beacons, ibeaconUuids, watch.handler, run)
-        private val wifi = if (sensing.wifi) WifiScanner(context, watch.handler, run) else null
+        private val wifi = if (sensing.wifi) WifiScanner(context, hasAccessPoints, watch.handler, run) else null
         private var isEnded = false
 
         fun begin() {

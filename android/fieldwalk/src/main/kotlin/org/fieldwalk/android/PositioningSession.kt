@@ -38,8 +38,9 @@ class PositioningSession internal constructor(
     private val positioner = Positioner(map, floor, options)
     /** Pushes without garbage, where the library can. */
     private val loop = if (SensorLoop.isSupported) SensorLoop(positioner) else null
-    private val sensors =
-        PhoneSensors(context, sensing, map.ibeaconUuids(), BatchSink(::push), ::handOn, ::report, ::fail)
+    private val sensors = PhoneSensors(
+        context, sensing, map.ibeaconUuids(), map.hasAccessPoints(), BatchSink(::push), ::handOn, ::report, ::fail,
+    )
     private val readers = CopyOnWriteArraySet<Reader>()
     private val state = MutableStateFlow(PositioningStatus(isRunning = false, troubles = emptyList()))
     private val lock = Any()

@@ -63,6 +63,9 @@ enum class TroubleKind {
     /** The device's location switch is off, which silences beacons and WiFi. */
     LOCATION_OFF,
 
+    /** WiFi is switched off, and scans with it; the map has access points. */
+    WIFI_OFF,
+
     /** The device dozes: sensors stand still. */
     DOZING,
 

@@ -51,6 +51,12 @@ class SimulatedPhone(sensors: List<Int> = ALL_SENSORS) {
         context.sendBroadcast(Intent("android.bluetooth.adapter.action.STATE_CHANGED"))
     }
 
+    /** The switch of WiFi, and the one that lets apps scan all the same. */
+    fun switchWifi(isOn: Boolean, isScanned: Boolean) {
+        shadowOf(wifi).setWifiState(if (isOn) WifiManager.WIFI_STATE_ENABLED else WifiManager.WIFI_STATE_DISABLED)
+        shadowOf(wifi).setIsScanAlwaysAvailable(isScanned)
+    }
+
     /** Of Bluetooth, whoever began them. */
     val scans: Set<ScanCallback> get() = shadowOf(adapter.bluetoothLeScanner).scanCallbacks
     val nScans: Int get() = scans.size

@@ -96,6 +96,35 @@ class TroubleTest {
     }
 
     @Test
+    fun `WiFi switched off and on, where the map has access points`() {
+        val phone = SimulatedPhone().also { it.grantAll() }
+        val session = begin(phone)
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        fun afterSwitch(isOn: Boolean, isScanned: Boolean): List<TroubleKind> {
+            phone.switchWifi(isOn, isScanned)
+            phone.pass(1_000)
+            return session.kinds()
+        }
+        assertEquals(listOf(TroubleKind.WIFI_OFF), afterSwitch(isOn = false, isScanned = false))
+        assertEquals(emptyList<TroubleKind>(), afterSwitch(isOn = false, isScanned = true))
+        assertEquals(listOf(TroubleKind.WIFI_OFF), afterSwitch(isOn = false, isScanned = false))
+        assertEquals(emptyList<TroubleKind>(), afterSwitch(isOn = true, isScanned = false))
+        // Without access points, and where WiFi is not wanted, there is nothing to switch on.
+        phone.switchWifi(isOn = false, isScanned = false)
+        fun nTroubles(wifi: Boolean, hasAccessPoints: Boolean): Int {
+            var last = emptyList<Trouble>()
+            val sensing = Sensing(wifi = wifi)
+            val report = { troubles: List<Trouble> -> last = troubles }
+            PhoneSensors(phone.context, sensing, hasAccessPoints = hasAccessPoints, push = {}, report = report).run {
+                start()
+                stop()
+            }
+            return last.size
+        }
+        assertEquals(listOf(1, 0, 0), listOf(nTroubles(true, true), nTroubles(true, false), nTroubles(false, true)))
+    }
+
+    @Test
     fun `radio that is not wanted needs no permission`() {
         val phone = SimulatedPhone()
         val session = begin(phone, Sensing(beacons = RadioUse.OFF, wifi = false))

@@ -82,6 +82,7 @@ object EnglishRemedies : Remedies {
         TroubleKind.BLUETOOTH_FAILED -> "Switch Bluetooth off and on."
         TroubleKind.LOCATION_PERMISSION -> "Allow the app the precise location."
         TroubleKind.LOCATION_OFF -> "Switch the location on."
+        TroubleKind.WIFI_OFF -> "Switch WiFi on."
         TroubleKind.DOZING -> "Leave the screen on."
         else -> null
     }
@@ -146,6 +147,7 @@ object GermanRemedies : Remedies {
         TroubleKind.BLUETOOTH_FAILED -> "Schalten Sie Bluetooth aus und wieder ein."
         TroubleKind.LOCATION_PERMISSION -> "Erlauben Sie der App den genauen Standort."
         TroubleKind.LOCATION_OFF -> "Schalten Sie den Standort ein."
+        TroubleKind.WIFI_OFF -> "Schalten Sie WLAN ein."
         TroubleKind.DOZING -> "Lassen Sie den Bildschirm an."
         else -> null
     }
