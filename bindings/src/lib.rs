@@ -29,7 +29,7 @@ mod carrying;
 mod error;
 mod fix;
 mod floor_drawing;
-mod ibeacons;
+mod heard_transmitters;
 mod missing;
 mod positioner;
 mod recorder;

@@ -151,7 +151,7 @@ impl Missing {
             ),
             MissingInput::Radio => (
                 "no radio was heard: a start takes longer without a hint",
-                "have Bluetooth and location switched on, and the permission to scan",
+                "have Bluetooth and location on, WiFi where the map has access points, and the permission to scan",
             ),
             MissingInput::CardFrames => (
                 "the card has fallen silent",

@@ -1,8 +1,5 @@
 package org.fieldwalk.android
 
-import android.annotation.SuppressLint
-import android.bluetooth.BluetoothManager
-import android.bluetooth.le.ScanCallback
 import android.bluetooth.le.ScanFilter
 import android.bluetooth.le.ScanResult
 import android.bluetooth.le.ScanSettings
@@ -12,38 +9,33 @@ import kotlinx.coroutines.channels.awaitClose
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.buffer
 import kotlinx.coroutines.flow.callbackFlow
+import java.util.concurrent.CopyOnWriteArraySet
 
 /** Cards near the phone. What a card says is of its wearer, not of the phone's: it goes to a positioner of its own. */
 class CardScanner(context: Context) {
     private val context = context.applicationContext
+    private val scans = CopyOnWriteArraySet<KeptScan>()
 
     /** What keeps cards from being heard. */
-    fun trouble(): Trouble? = BluetoothTrouble.of(context)
+    fun trouble(): Trouble? = BluetoothTrouble.of(context) ?: scans.firstNotNullOfOrNull { it.trouble() }
 
-    /** Every frame heard, while the flow is collected; empty when [trouble] names something. */
-    @SuppressLint("MissingPermission") // trouble looks for it.
+    /**
+     * Every frame heard, while the flow is collected; none while [trouble] names something, again once it is mended.
+     */
     fun sightings(): Flow<CardSighting> = callbackFlow {
-        val scanner = if (trouble() == null) {
-            context.getSystemService(BluetoothManager::class.java)?.adapter?.bluetoothLeScanner
-        } else {
-            null
+        lateinit var scan: KeptScan
+        val watch = SwitchWatch(context, "fieldwalk-cards") { scan.advance() }
+        scan = KeptScan(context, CARDS, ScanSettings.SCAN_MODE_LOW_LATENCY, watch.handler) { result ->
+            CardSighting.of(result)?.let { trySend(it) }
         }
-        val callback = object : ScanCallback() {
-            override fun onScanResult(callbackType: Int, result: ScanResult) {
-                CardSighting.of(result)?.let { trySend(it) }
-            }
-
-            override fun onScanFailed(errorCode: Int) {
-                close()
-            }
+        scans.add(scan)
+        scan.advance()
+        watch.begin()
+        awaitClose {
+            watch.end()
+            scan.end()
+            scans.remove(scan)
         }
-        if (scanner == null) {
-            close()
-        } else {
-            val settings = ScanSettings.Builder().setScanMode(ScanSettings.SCAN_MODE_LOW_LATENCY).build()
-            scanner.startScan(listOf(CARDS), settings, callback)
-        }
-        awaitClose { runCatching { scanner?.stopScan(callback) } }
     }.buffer(256, BufferOverflow.DROP_OLDEST)
 
     private companion object {

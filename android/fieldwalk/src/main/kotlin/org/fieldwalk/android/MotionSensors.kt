@@ -20,9 +20,11 @@ internal class MotionSensors(
     private val sensors: SensorManager? = context.getSystemService(SensorManager::class.java)
     private val alignments = HashMap<Int, StampAlignment>()
     private var absent = emptyList<Trouble>()
+    @Volatile private var heardNs = 0L
     @Volatile private var fieldAccuracy = SensorManager.SENSOR_STATUS_ACCURACY_HIGH
 
     fun start() {
+        heardNs = SensorClock.nowNs()
         absent = listOfNotNull(
             missing(register(motionPeriodUs(), Sensor.TYPE_ACCELEROMETER), "accelerometer", "no step is seen"),
             missing(register(motionPeriodUs(), Sensor.TYPE_GYROSCOPE), "gyroscope", "turns are not seen"),
@@ -47,13 +49,15 @@ internal class MotionSensors(
             "the magnetometer says that it is not calibrated: the field weighs wrongly for the first metres",
             "swing the phone slowly in a figure of eight, away from metal",
         )
-        return if (unsure) absent + calibration else absent
+        return silence() + absent + if (unsure) listOf(calibration) else emptyList()
     }
 
     override fun onSensorChanged(event: SensorEvent) {
         val v = event.values
+        val nowNs = SensorClock.nowNs()
         val timeNs = synchronized(alignments) { alignments.getOrPut(event.sensor.type, ::StampAlignment) }
-            .aligned(event.timestamp, SensorClock.nowNs())
+            .aligned(event.timestamp, nowNs)
+        if (event.sensor.type != Sensor.TYPE_PRESSURE) heardNs = nowNs
         when (event.sensor.type) {
             Sensor.TYPE_ACCELEROMETER -> run.take(timeNs) { specificForce(timeNs, v[0], v[1], v[2]) }
             Sensor.TYPE_GYROSCOPE -> run.take(timeNs) { angularRate(timeNs, v[0], v[1], v[2]) }
@@ -79,6 +83,17 @@ internal class MotionSensors(
         sensors.registerListener(this, sensor, periodUs, latencyUs, handler)
     }
 
+    /** The engine tells of a sensor that falls silent beside others; when all do, it hears nothing to tell the time by. */
+    private fun silence(): List<Trouble> =
+        if (absent.size == N_SENSORS || SensorClock.nowNs() - heardNs <= SILENT_NS) emptyList()
+        else listOf(
+            Trouble(
+                TroubleKind.SENSORS_SILENT, "all motion sensors are silent: no step is seen, and the position stands still",
+                "ask the user to switch the sensors on in the quick settings; while the app is not on the screen run " +
+                    "PositioningService",
+            ),
+        )
+
     private fun missing(isRegistered: Boolean, sensor: String, consequence: String): Trouble? =
         if (isRegistered) null
         else Trouble(
@@ -100,5 +115,10 @@ internal class MotionSensors(
         const val FASTEST_HZ = 400
         const val FIELD_PERIOD_US = 20_000
         const val PRESSURE_PERIOD_US = 200_000
+
+        /** Accelerometer, gyroscope, magnetometer. */
+        const val N_SENSORS = 3
+        /** As the engine has it for each of them. */
+        const val SILENT_NS = 5_000_000_000L
     }
 }

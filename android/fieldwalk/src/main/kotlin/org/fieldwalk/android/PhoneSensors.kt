@@ -1,14 +1,7 @@
 package org.fieldwalk.android
 
-import android.content.BroadcastReceiver
 import android.content.Context
-import android.content.Intent
-import android.content.IntentFilter
-import android.os.Build
-import android.os.Handler
-import android.os.HandlerThread
 import android.os.PowerManager
-import android.os.Process
 import org.fieldwalk.BuildingMap
 import java.nio.ByteBuffer
 
@@ -22,6 +15,7 @@ class PhoneSensors internal constructor(
     context: Context,
     private val sensing: Sensing,
     private val ibeaconUuids: List<ByteArray>,
+    private val hasAccessPoints: Boolean,
     private val sink: BatchSink,
     private val pushed: () -> Unit,
     private val report: (List<Trouble>) -> Unit,
@@ -29,6 +23,8 @@ class PhoneSensors internal constructor(
 ) {
     /**
      * @param ibeaconUuids by which a map knows its beacons, [BuildingMap.ibeaconUuids]; all others are known by their address
+     * @param hasAccessPoints whether a map has some, [BuildingMap.hasAccessPoints], or a survey looks for some: only then
+     *   it is told that WiFi is switched off
      * @param push takes a batch, valid during the call only, on the thread of the sensors; one that throws ends the sensors; it
      *   must not call this object
      * @param pushed called after every batch, free to call anything
@@ -39,11 +35,12 @@ class PhoneSensors internal constructor(
         context: Context,
         sensing: Sensing = Sensing(),
         ibeaconUuids: List<ByteArray> = emptyList(),
+        hasAccessPoints: Boolean = true,
         push: (ByteBuffer) -> Unit,
         pushed: () -> Unit = {},
         report: (List<Trouble>) -> Unit = {},
         fail: (Throwable) -> Unit = {},
-    ) : this(context, sensing, ibeaconUuids, BatchSink { push(it.bytes()) }, pushed, report, fail)
+    ) : this(context, sensing, ibeaconUuids, hasAccessPoints, BatchSink { push(it.bytes()) }, pushed, report, fail)
 
     private val context = context.applicationContext
     private var session: Session? = null
@@ -75,37 +72,20 @@ class PhoneSensors internal constructor(
 
     /** From a start to its stop. */
     private inner class Session {
-        private val thread = HandlerThread("fieldwalk-sensors", Process.THREAD_PRIORITY_MORE_FAVORABLE).also { it.start() }
-        private val handler = Handler(thread.looper)
         val run = SensorRun(sensing.latencyMs, sink, pushed, ::end)
-        private val motion = MotionSensors(context, sensing, handler, run, ::lookSoon)
-        private val beacons = BeaconScanner(context, sensing.beacons, ibeaconUuids, handler, run)
-        private val wifi = if (sensing.wifi) WifiScanner(context, handler, run) else null
+        private val watch = SwitchWatch(context, "fieldwalk-sensors") {
+            run.flush()
+            look()
+        }
+        private val motion = MotionSensors(context, sensing, watch.handler, run, watch::lookSoon)
+        private val beacons = BeaconScanner(context, sensing.beacons, ibeaconUuids, watch.handler, run)
+        private val wifi = if (sensing.wifi) WifiScanner(context, hasAccessPoints, watch.handler, run) else null
         private var isEnded = false
 
-        private val switches = object : BroadcastReceiver() {
-            override fun onReceive(context: Context, intent: Intent) = lookSoon()
-        }
-        private val tick = object : Runnable {
-            override fun run() {
-                this@Session.run.flush()
-                look()
-                handler.postDelayed(this, TICK_MS)
-            }
-        }
-
         fun begin() {
-            val filter = IntentFilter()
-            SWITCHES.forEach(filter::addAction)
-            // Only the system sends these.
-            if (Build.VERSION.SDK_INT >= Build.VERSION_CODES.TIRAMISU) {
-                context.registerReceiver(switches, filter, null, handler, Context.RECEIVER_NOT_EXPORTED)
-            } else {
-                context.registerReceiver(switches, filter, null, handler)
-            }
+            watch.begin()
             motion.start()
             look()
-            handler.postDelayed(tick, TICK_MS)
         }
 
         /** Tries what is not running, and tells what is in the way. */
@@ -121,23 +101,18 @@ class PhoneSensors internal constructor(
 
         /** Under the lock of the run, which [end] needs too. */
         private fun end(failure: Throwable) {
-            handler.post(::stop)
+            watch.handler.post(::stop)
             fail(failure)
         }
 
         @Synchronized
         fun end() {
             isEnded = true
-            context.unregisterReceiver(switches)
             motion.stop()
-            beacons.stop()
+            beacons.end()
             wifi?.stop()
             run.end()
-            thread.quitSafely()
-        }
-
-        private fun lookSoon() {
-            handler.post(::look)
+            watch.end()
         }
 
         private fun dozing(): List<Trouble> =
@@ -148,14 +123,5 @@ class PhoneSensors internal constructor(
                     "run in the foreground service to be followed with the screen off; after a long doze give a hint",
                 ),
             )
-    }
-
-    private companion object {
-        const val TICK_MS = 1_000L
-        val SWITCHES = listOf(
-            "android.bluetooth.adapter.action.STATE_CHANGED",
-            "android.location.MODE_CHANGED",
-            PowerManager.ACTION_DEVICE_IDLE_MODE_CHANGED,
-        )
     }
 }

@@ -38,8 +38,9 @@ class PositioningSession internal constructor(
     private val positioner = Positioner(map, floor, options)
     /** Pushes without garbage, where the library can. */
     private val loop = if (SensorLoop.isSupported) SensorLoop(positioner) else null
-    private val sensors =
-        PhoneSensors(context, sensing, map.ibeaconUuids(), BatchSink(::push), ::handOn, ::report, ::fail)
+    private val sensors = PhoneSensors(
+        context, sensing, map.ibeaconUuids(), map.hasAccessPoints(), BatchSink(::push), ::handOn, ::report, ::fail,
+    )
     private val readers = CopyOnWriteArraySet<Reader>()
     private val state = MutableStateFlow(PositioningStatus(isRunning = false, troubles = emptyList()))
     private val lock = Any()
@@ -69,10 +70,14 @@ class PositioningSession internal constructor(
     }.buffer(256, BufferOverflow.DROP_OLDEST)
 
     /** Runs the sensors also while nobody collects, such as in [PositioningService]. */
-    fun start() = synchronized(lock) {
-        check(!isClosed) { "the session is closed" }
+    fun start() = check(startUnlessClosed()) { "the session is closed" }
+
+    /** Whether it could be started. */
+    internal fun startUnlessClosed(): Boolean = synchronized(lock) {
+        if (isClosed) return false
         isStarted = true
         run()
+        true
     }
 
     /** Stops the sensors and ends every flow of [fixes]. */

@@ -39,6 +39,9 @@ enum class TroubleKind {
     /** The device has no accelerometer, gyroscope or magnetometer. */
     SENSOR_ABSENT,
 
+    /** No motion sensor speaks any more: they are switched off, or the app is not on the screen and has no service. */
+    SENSORS_SILENT,
+
     /** The magnetometer says that its readings are not to be trusted. */
     CALIBRATION,
 
@@ -59,6 +62,9 @@ enum class TroubleKind {
 
     /** The device's location switch is off, which silences beacons and WiFi. */
     LOCATION_OFF,
+
+    /** WiFi is switched off, and scans with it; the map has access points. */
+    WIFI_OFF,
 
     /** The device dozes: sensors stand still. */
     DOZING,

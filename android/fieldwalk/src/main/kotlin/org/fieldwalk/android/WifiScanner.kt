@@ -4,15 +4,19 @@ import android.annotation.SuppressLint
 import android.content.BroadcastReceiver
 import android.content.Context
 import android.content.Intent
-import android.content.IntentFilter
 import android.net.wifi.ScanResult
 import android.net.wifi.WifiManager
-import android.os.Build
 import android.os.Handler
 import android.os.SystemClock
 
 /** WiFi access points, scanned as often as Android allows. */
-internal class WifiScanner(private val context: Context, private val handler: Handler, private val run: SensorRun) {
+internal class WifiScanner(
+    private val context: Context,
+    /** Whether there is something to hear: otherwise it is no trouble that WiFi is off. */
+    private val hasAccessPoints: Boolean,
+    private val handler: Handler,
+    private val run: SensorRun,
+) {
     private val wifi: WifiManager? = context.getSystemService(WifiManager::class.java)
     private var isListening = false
     /** When each access point was heard last, in µs: Android repeats old rows. */
@@ -26,12 +30,7 @@ internal class WifiScanner(private val context: Context, private val handler: Ha
     fun advance() {
         if (wifi == null || Permissions.locationTrouble(context) != null) return
         if (!isListening) {
-            val filter = IntentFilter(WifiManager.SCAN_RESULTS_AVAILABLE_ACTION)
-            if (Build.VERSION.SDK_INT >= Build.VERSION_CODES.TIRAMISU) {
-                context.registerReceiver(receiver, filter, null, handler, Context.RECEIVER_NOT_EXPORTED)
-            } else {
-                context.registerReceiver(receiver, filter, null, handler)
-            }
+            context.listen(receiver, listOf(WifiManager.SCAN_RESULTS_AVAILABLE_ACTION), handler)
             isListening = true
         }
         if (synchronized(budget) { budget.take(SystemClock.elapsedRealtime()) }) {
@@ -45,7 +44,18 @@ internal class WifiScanner(private val context: Context, private val handler: Ha
         isListening = false
     }
 
-    fun troubles(): List<Trouble> = listOfNotNull(Permissions.locationTrouble(context))
+    fun troubles(): List<Trouble> = listOfNotNull(Permissions.locationTrouble(context), switchTrouble())
+
+    private fun switchTrouble(): Trouble? {
+        // Apps may be let scan while WiFi is switched off, by a switch of the location's settings.
+        @Suppress("DEPRECATION")
+        val isHeard = wifi == null || wifi.isWifiEnabled || wifi.isScanAlwaysAvailable
+        if (isHeard || !hasAccessPoints) return null
+        return Trouble(
+            TroubleKind.WIFI_OFF, "WiFi is switched off: no access point is heard",
+            "ask the user to switch WiFi on, or scans for WiFi in the location's settings",
+        )
+    }
 
     @SuppressLint("MissingPermission") // locationTrouble looked for it; a row less when it is taken back meanwhile.
     private fun take() {

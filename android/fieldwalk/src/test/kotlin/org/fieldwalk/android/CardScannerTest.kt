@@ -3,9 +3,7 @@ package org.fieldwalk.android
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.cancel
-import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
-import kotlinx.coroutines.runBlocking
 import org.fieldwalk.CardDecoder
 import org.junit.Assert.assertArrayEquals
 import org.junit.Assert.assertEquals
@@ -40,12 +38,5 @@ class CardScannerTest {
         assertEquals(5_000L to -60f, sighting.timeNs to sighting.rssiDbm)
         assertArrayEquals(frame, sighting.frame)
         CardDecoder().use { assertEquals(42.toUShort(), it.decodeAdvertisement(sighting.frame.toDirect()).cardId) }
-    }
-
-    @Test
-    fun `without a permission the flow is empty, and the trouble says why`() {
-        val scanner = CardScanner(phone.context)
-        assertEquals(TroubleKind.BLUETOOTH_PERMISSION, scanner.trouble()!!.kind)
-        assertEquals(emptyList<CardSighting>(), runBlocking { scanner.sightings().toList() })
     }
 }

@@ -3,6 +3,7 @@ package org.fieldwalk.android
 import android.Manifest.permission
 import android.app.Application
 import android.bluetooth.BluetoothManager
+import android.bluetooth.le.ScanCallback
 import android.bluetooth.le.ScanRecord
 import android.bluetooth.le.ScanSettings
 import android.content.Context
@@ -50,7 +51,15 @@ class SimulatedPhone(sensors: List<Int> = ALL_SENSORS) {
         context.sendBroadcast(Intent("android.bluetooth.adapter.action.STATE_CHANGED"))
     }
 
-    val nScans: Int get() = shadowOf(adapter.bluetoothLeScanner).scanCallbacks.size
+    /** The switch of WiFi, and the one that lets apps scan all the same. */
+    fun switchWifi(isOn: Boolean, isScanned: Boolean) {
+        shadowOf(wifi).setWifiState(if (isOn) WifiManager.WIFI_STATE_ENABLED else WifiManager.WIFI_STATE_DISABLED)
+        shadowOf(wifi).setIsScanAlwaysAvailable(isScanned)
+    }
+
+    /** Of Bluetooth, whoever began them. */
+    val scans: Set<ScanCallback> get() = shadowOf(adapter.bluetoothLeScanner).scanCallbacks
+    val nScans: Int get() = scans.size
 
     fun sensor(type: Int): Sensor = bySensor.getValue(type)
 
@@ -70,7 +79,7 @@ class SimulatedPhone(sensors: List<Int> = ALL_SENSORS) {
         repeat(2) {
             ShadowLooper.shadowMainLooper().idle()
             // A looper that has quit since refuses.
-            for (looper in ShadowLooper.getAllLoopers().filter { it.thread.name == "fieldwalk-sensors" && it.thread.isAlive }) {
+            for (looper in ShadowLooper.getAllLoopers().filter { "fieldwalk-" in it.thread.name && it.thread.isAlive }) {
                 runCatching { shadowOf(looper).idle() }
             }
         }
@@ -119,7 +128,7 @@ class SimulatedPhone(sensors: List<Int> = ALL_SENSORS) {
     fun hearBle(timeNs: Long, rssiDbm: Int, address: ByteArray, advertisement: ByteArray) {
         val device = ShadowBluetoothDevice.newInstance(address.joinToString(":") { "%02X".format(it) })
         val result = BleResult(device, ScanRecord.parseFromBytes(advertisement), rssiDbm, timeNs)
-        shadowOf(adapter.bluetoothLeScanner).scanCallbacks.forEach {
+        scans.forEach {
             it.onScanResult(ScanSettings.CALLBACK_TYPE_ALL_MATCHES, result)
         }
         settle()

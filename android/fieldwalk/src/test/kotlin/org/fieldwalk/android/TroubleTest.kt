@@ -96,6 +96,35 @@ class TroubleTest {
     }
 
     @Test
+    fun `WiFi switched off and on, where the map has access points`() {
+        val phone = SimulatedPhone().also { it.grantAll() }
+        val session = begin(phone)
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        fun afterSwitch(isOn: Boolean, isScanned: Boolean): List<TroubleKind> {
+            phone.switchWifi(isOn, isScanned)
+            phone.pass(1_000)
+            return session.kinds()
+        }
+        assertEquals(listOf(TroubleKind.WIFI_OFF), afterSwitch(isOn = false, isScanned = false))
+        assertEquals(emptyList<TroubleKind>(), afterSwitch(isOn = false, isScanned = true))
+        assertEquals(listOf(TroubleKind.WIFI_OFF), afterSwitch(isOn = false, isScanned = false))
+        assertEquals(emptyList<TroubleKind>(), afterSwitch(isOn = true, isScanned = false))
+        // Without access points, and where WiFi is not wanted, there is nothing to switch on.
+        phone.switchWifi(isOn = false, isScanned = false)
+        fun nTroubles(wifi: Boolean, hasAccessPoints: Boolean): Int {
+            var last = emptyList<Trouble>()
+            val sensing = Sensing(wifi = wifi)
+            val report = { troubles: List<Trouble> -> last = troubles }
+            PhoneSensors(phone.context, sensing, hasAccessPoints = hasAccessPoints, push = {}, report = report).run {
+                start()
+                stop()
+            }
+            return last.size
+        }
+        assertEquals(listOf(1, 0, 0), listOf(nTroubles(true, true), nTroubles(true, false), nTroubles(false, true)))
+    }
+
+    @Test
     fun `radio that is not wanted needs no permission`() {
         val phone = SimulatedPhone()
         val session = begin(phone, Sensing(beacons = RadioUse.OFF, wifi = false))
@@ -114,6 +143,38 @@ class TroubleTest {
         phone.sense(Sensor.TYPE_MAGNETIC_FIELD, timeNs, 20f, 0f, -40f)
         val missing = session.engineStatus().missing.map { it.what.name }
         assertEquals(listOf("GYROSCOPE"), missing.filter { it == "GYROSCOPE" || it == "MAGNETOMETER" })
+    }
+
+    @Test
+    fun `sensors that all fall silent, as when they are switched off, and speak again`() {
+        val phone = SimulatedPhone().also { it.grantAll() }
+        val session = begin(phone)
+        fun speak() = phone.sense(Sensor.TYPE_GYROSCOPE, SensorClock.nowNs(), 0f, 0f, 0f)
+        repeat(7) {
+            phone.pass(1_000)
+            speak()
+        }
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        phone.pass(4_900)
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        repeat(2) {
+            phone.pass(1_000)
+            // Air pressure is no motion.
+            phone.sense(Sensor.TYPE_PRESSURE, SensorClock.nowNs(), 1_000f)
+        }
+        assertEquals(listOf(TroubleKind.SENSORS_SILENT), session.kinds())
+        assertTrue(session.status.value.isRunning)
+        speak()
+        phone.pass(1_000)
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        // Never heard since the start.
+        session.stop()
+        phone.pass(60_000)
+        session.start()
+        phone.settle()
+        assertEquals(emptyList<TroubleKind>(), session.kinds())
+        phone.pass(6_000)
+        assertEquals(listOf(TroubleKind.SENSORS_SILENT), session.kinds())
     }
 
     @Test

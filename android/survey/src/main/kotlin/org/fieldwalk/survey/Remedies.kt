@@ -74,6 +74,7 @@ object EnglishRemedies : Remedies {
 
     override fun of(trouble: TroubleKind) = when (trouble) {
         TroubleKind.SENSOR_ABSENT -> "This phone lacks a sensor: use another one."
+        TroubleKind.SENSORS_SILENT -> "Switch the sensors on in the quick settings, and leave this app on the screen."
         TroubleKind.CALIBRATION -> "Swing the phone slowly in a figure of eight, away from metal."
         TroubleKind.BLUETOOTH_PERMISSION -> "Allow the app to find devices nearby."
         TroubleKind.BLUETOOTH_OFF -> "Switch Bluetooth on."
@@ -81,6 +82,7 @@ object EnglishRemedies : Remedies {
         TroubleKind.BLUETOOTH_FAILED -> "Switch Bluetooth off and on."
         TroubleKind.LOCATION_PERMISSION -> "Allow the app the precise location."
         TroubleKind.LOCATION_OFF -> "Switch the location on."
+        TroubleKind.WIFI_OFF -> "Switch WiFi on."
         TroubleKind.DOZING -> "Leave the screen on."
         else -> null
     }
@@ -136,6 +138,8 @@ object GermanRemedies : Remedies {
 
     override fun of(trouble: TroubleKind) = when (trouble) {
         TroubleKind.SENSOR_ABSENT -> "Diesem Telefon fehlt ein Sensor: nehmen Sie ein anderes."
+        TroubleKind.SENSORS_SILENT ->
+            "Schalten Sie die Sensoren in den Schnelleinstellungen ein und lassen Sie diese App auf dem Bildschirm."
         TroubleKind.CALIBRATION -> "Schwenken Sie das Telefon langsam in einer Acht, fern von Metall."
         TroubleKind.BLUETOOTH_PERMISSION -> "Erlauben Sie der App, Geräte in der Nähe zu finden."
         TroubleKind.BLUETOOTH_OFF -> "Schalten Sie Bluetooth ein."
@@ -143,6 +147,7 @@ object GermanRemedies : Remedies {
         TroubleKind.BLUETOOTH_FAILED -> "Schalten Sie Bluetooth aus und wieder ein."
         TroubleKind.LOCATION_PERMISSION -> "Erlauben Sie der App den genauen Standort."
         TroubleKind.LOCATION_OFF -> "Schalten Sie den Standort ein."
+        TroubleKind.WIFI_OFF -> "Schalten Sie WLAN ein."
         TroubleKind.DOZING -> "Lassen Sie den Bildschirm an."
         else -> null
     }

@@ -1,4 +1,4 @@
-//! Which iBeacons a phone is to listen for.
+//! What a phone is to listen for.
 
 use std::collections::BTreeSet;
 
@@ -19,6 +19,12 @@ impl BuildingMap {
             .collect();
         uuids.into_iter().map(Vec::from).collect()
     }
+
+    /// Whether any floor has WiFi access points: where there are none it is all the same whether WiFi is switched on.
+    pub fn has_access_points(&self) -> bool {
+        let mut transmitters = self.floor_maps().flat_map(|floor| &floor.transmitters);
+        transmitters.any(|transmitter| matches!(transmitter.id, TransmitterId::WifiBssid(_)))
+    }
 }
 
 #[cfg(test)]
@@ -28,34 +34,40 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn every_uuid_of_any_floor_is_told_once() {
-        let heard = |id| Transmitter {
+    fn heard(id: TransmitterId) -> Transmitter {
+        Transmitter {
             id,
             position: Default::default(),
             power_at_1m_dbm: -59.0,
             path_loss_exponent: 2.0,
             sigma_db: 5.0,
             n_sightings: 40,
-        };
+        }
+    }
+
+    fn file(ordinal: i32, transmitters: Vec<Transmitter>) -> Vec<u8> {
+        let plan = FloorPlan { width_m: 20.0, height_m: 10.0, ..Default::default() };
+        let name = format!("F{ordinal}");
+        let floor = FloorMap { name, ordinal, plan, transmitters, ..Default::default() };
+        fieldwalk_formats::encode_floor(&floor).unwrap()
+    }
+
+    #[test]
+    fn every_uuid_of_any_floor_is_told_once() {
         let beacon = |first, minor| heard(TransmitterId::Ibeacon { uuid: [first; 16], major: 1, minor });
-        let file = |ordinal, transmitters| {
-            let plan = FloorPlan { width_m: 20.0, height_m: 10.0, ..Default::default() };
-            let name = format!("F{ordinal}");
-            fieldwalk_formats::encode_floor(&FloorMap {
-                name,
-                ordinal,
-                plan,
-                transmitters,
-                ..Default::default()
-            })
-            .unwrap()
-        };
         let files = vec![
             file(1, vec![beacon(7, 1), beacon(7, 2), heard(TransmitterId::BleAddress([1; 6]))]),
             file(2, vec![beacon(3, 1), beacon(7, 3)]),
         ];
         let map = BuildingMap::from_floor_files("Hall".into(), files).unwrap();
         assert_eq!(map.ibeacon_uuids(), [vec![3; 16], vec![7; 16]]);
+        assert!(!map.has_access_points());
+    }
+
+    #[test]
+    fn an_access_point_on_any_floor_is_one_to_listen_for() {
+        let wifi = heard(TransmitterId::WifiBssid([1; 6]));
+        let files = vec![file(1, vec![heard(TransmitterId::BleAddress([1; 6]))]), file(2, vec![wifi])];
+        assert!(BuildingMap::from_floor_files("Hall".into(), files).unwrap().has_access_points());
     }
 }
