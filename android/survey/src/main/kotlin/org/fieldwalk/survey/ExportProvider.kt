@@ -55,7 +55,7 @@ class ExportProvider : ContentProvider() {
         private const val NAME = "name"
 
         private fun shared(folder: SurveyFolder): List<File> =
-            listOf(folder.mapFile).filter { it.isFile } + folder.recordings()
+            listOf(folder.mapFile).filter { it.isFile } + folder.recordings() + folder.aside()
 
         /** What opens the share sheet with the map and all recordings of the survey. */
         fun share(context: Context, floor: String): Intent {

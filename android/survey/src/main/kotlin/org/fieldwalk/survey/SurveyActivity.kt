@@ -90,7 +90,7 @@ class SurveyActivity : Activity() {
         SurveyIds.UNDO_WALK -> walks.undoWalk()
         SurveyIds.BUILD -> walks.build()
         SurveyIds.CHECK -> startActivity(Intent(this, CheckActivity::class.java))
-        else -> startActivity(ExportProvider.share(this, walks.floor))
+        else -> if (walks.readyToShare()) startActivity(ExportProvider.share(this, walks.floor)) else Unit
     }
 
     private fun show(state: SurveyState) {
@@ -108,7 +108,7 @@ class SurveyActivity : Activity() {
         val enabled = mapOf(
             SurveyIds.UNDO_TAP to state.canUndoTap, SurveyIds.UNDO_WALK to state.canUndoWalk,
             SurveyIds.BUILD to state.canBuild, SurveyIds.CHECK to (state.hasMap && state.canBegin),
-            SurveyIds.SHARE to (state.hasMap || state.nWalks > 0),
+            SurveyIds.SHARE to state.canShare,
         )
         enabled.forEach { (id, isEnabled) -> buttons.getValue(id).isEnabled = isEnabled }
     }
