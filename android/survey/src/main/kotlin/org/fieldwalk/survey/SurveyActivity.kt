@@ -26,7 +26,7 @@ class SurveyActivity : Activity() {
     override fun onCreate(saved: Bundle?) {
         setTheme(android.R.style.Theme_DeviceDefault_DayNight)
         super.onCreate(saved)
-        walks = CurrentSurvey.of(this) ?: return finish()
+        walks = CurrentSurvey.of(this, intent.getStringExtra(SURVEY)) ?: return finish()
         texts = texts()
         title = walks.floor
         // A screen that locks stops the sensors in the middle of a walk.
@@ -89,8 +89,13 @@ class SurveyActivity : Activity() {
         SurveyIds.UNDO_TAP -> walks.undoTap()
         SurveyIds.UNDO_WALK -> walks.undoWalk()
         SurveyIds.BUILD -> walks.build()
-        SurveyIds.CHECK -> startActivity(Intent(this, CheckActivity::class.java))
-        else -> if (walks.readyToShare()) startActivity(ExportProvider.share(this, walks.floor)) else Unit
+        SurveyIds.CHECK -> startActivity(Intent(this, CheckActivity::class.java).of(walks.name))
+        else -> share()
+    }
+
+    private fun share() {
+        val folder = CurrentSurvey.folder(this, walks.name) ?: return
+        if (walks.readyToShare()) startActivity(ExportProvider.share(this, folder))
     }
 
     private fun show(state: SurveyState) {

@@ -10,36 +10,60 @@ import org.fieldwalk.android.PhoneSensors
 import java.io.File
 import java.io.IOException
 import java.nio.ByteBuffer
+import java.util.Date
 
 /**
- * A survey on disk, so that it outlives the app: the plan, and recordings of every walk, one for each part between pauses, so
- * that no line joins what a pause parts, whoever reads them. Beside a recording stands what it has no word for: which waypoints
- * were taken back.
+ * A survey on disk, so that it outlives the app: the plan, and recordings of every walk, one for each part between pauses,
+ * so that no line joins what a pause parts, whoever reads them. Beside a recording stands what it has no word for: which
+ * waypoints were taken back.
  *
  * @param record starts a recording in a new file
  */
 class SurveyFolder(val folder: File, private val record: (String, RecordingDetails) -> Recorder = ::Recorder) {
     private val planFile = File(folder, "plan.geojson")
     private val floorFile = File(folder, "floor.txt")
+    private val sharedFile = File(folder, "shared.txt")
     val mapFile get() = File(folder, "map.tar")
+
+    /** No other survey has it. */
+    val name: String get() = folder.name
+
+    val begun: Date get() = Date(floorFile.lastModified())
 
     val isSurvey: Boolean get() = planFile.isFile && floorFile.isFile
 
     val floor: String get() = floorFile.readLines().first()
 
-    /** Begins anew, with nothing but the plan. */
+    private val ordinal: Int get() = floorFile.readLines()[1].toInt()
+
+    /** Begins with nothing but the plan. */
     fun create(plan: ByteArray, floor: String, ordinal: Int) {
-        folder.deleteRecursively()
-        folder.mkdirs()
-        planFile.writeBytes(plan)
-        floorFile.writeText("$floor\n$ordinal\n")
+        try {
+            if (!folder.mkdirs()) throw IOException("the folder cannot be made")
+            planFile.writeBytes(plan)
+            // Half a survey is none: this file makes it one.
+            val whole = File(folder, "floor.part")
+            whole.writeText("$floor\n$ordinal\n")
+            if (!whole.renameTo(floorFile)) throw IOException("the floor cannot be put into its place")
+        } catch (refused: IOException) {
+            folder.deleteRecursively()
+            throw refused
+        }
     }
 
     /** A surveyor of the plan, without a walk. */
-    fun surveyor(): Surveyor {
-        val (name, ordinal) = floorFile.readLines()
-        return Surveyor(planFile.readBytes().toDirect(), name, ordinal.toInt())
-    }
+    fun surveyor(): Surveyor = Surveyor(planFile.readBytes().toDirect(), floor, ordinal)
+
+    /** What leaves the phone: the map, the recordings, and those that were put aside. */
+    fun toShare(): List<File> = listOf(mapFile).filter { it.isFile } + recordings() + aside()
+
+    /** Notes that what there is now was given away. */
+    fun noteShared() = sharedFile.writeText(listing())
+
+    /** Whether nothing has changed since it was given away. */
+    val isShared: Boolean get() = sharedFile.isFile && sharedFile.readText() == listing()
+
+    private fun listing() = toShare().joinToString("\n") { "${it.name} ${it.length()} ${it.lastModified()}" }
 
     /** The parts of every walk, in order. */
     fun walks(): List<List<File>> = recordings().groupBy(::number).values.toList()
@@ -48,7 +72,8 @@ class SurveyFolder(val folder: File, private val record: (String, RecordingDetai
         folder.listFiles { file -> file.extension == "mcap" }.orEmpty().sortedWith(compareBy(::number, ::part))
 
     /** Recordings that could not be given to the surveyor, kept for whoever can make something of them. */
-    fun aside(): List<File> = folder.listFiles { file -> file.name.endsWith(".mcap$ASIDE") }.orEmpty().sortedBy { it.name }
+    fun aside(): List<File> =
+        folder.listFiles { file -> file.name.endsWith(".mcap$ASIDE") }.orEmpty().sortedBy { it.name }
 
     /** Records the first part of a new walk, under a number that no other has. */
     // What was put aside, and a journal left behind, keep theirs.
@@ -59,7 +84,10 @@ class SurveyFolder(val folder: File, private val record: (String, RecordingDetai
 
     private fun begin(number: Int, part: Int): OpenPart {
         val recording = File(folder, "$number-$part.mcap")
-        val details = RecordingDetails(device = android.os.Build.MODEL ?: "", software = "Fieldwalk survey", floor = floor)
+        // Readers take the floor's number from its name in a recording: one that contradicts the map's is left out.
+        val name = floor.takeIf { floorOrdinal(it) == ordinal }.orEmpty()
+        val device = android.os.Build.MODEL ?: ""
+        val details = RecordingDetails(device = device, software = "Fieldwalk survey", floor = name)
         return try {
             OpenPart(recording, record(recording.path, details), journal(recording))
         } catch (refused: ApiException) {

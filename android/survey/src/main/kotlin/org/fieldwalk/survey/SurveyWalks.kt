@@ -56,6 +56,9 @@ class SurveyWalks(
     val drawing: FloorDrawing = surveyor.drawing()
     val floor: String = folder.floor
 
+    /** The survey's, not the floor's. */
+    val name: String = folder.name
+
     init {
         restore()
     }
@@ -178,7 +181,11 @@ class SurveyWalks(
 
     /** Makes the recordings fit to be shared, and tells whether they are. */
     fun readyToShare(): Boolean {
-        attempt(Phase.IDLE) { folder.leaveOutUndone() }
+        attempt(Phase.IDLE) {
+            folder.leaveOutUndone()
+            // A full disk, which sharing may help to clear, must not hinder it.
+            runCatching { folder.noteShared() }
+        }
         return state.value.canShare && state.value.mishap == null
     }
 
