@@ -301,7 +301,7 @@ class SurveyWalks(
             if (TroubleKind.CALIBRATION in kinds) add(Warning.CALIBRATION)
             if (kinds.any { it.name.startsWith("BLUETOOTH") }) add(Warning.BLUETOOTH)
             if (kinds.any { it.name.startsWith("LOCATION") }) add(Warning.LOCATION)
-            if (TroubleKind.SENSOR_ABSENT in kinds || MissingInput.ACCELEROMETER in missing) add(Warning.SENSORS)
+            if (TroubleKind.SENSOR_ABSENT in kinds || missing.any { it in SENSORS }) add(Warning.SENSORS)
         }
     }
 
@@ -323,5 +323,7 @@ class SurveyWalks(
     private companion object {
         /** Who goes faster runs, or tapped late. */
         const val FASTEST_M_S = 1.8
+        /** Without any of them a walk makes no map. */
+        val SENSORS = setOf(MissingInput.ACCELEROMETER, MissingInput.GYROSCOPE, MissingInput.MAGNETOMETER)
     }
 }

@@ -68,17 +68,20 @@ abstract class DrivenApp {
         shadowOf(start.get()).receiveResult(asked, Activity.RESULT_OK, Intent().setData(plan))
     }
 
-    /** The walk of [recording], tapped where the surveyor stood, up to so many waypoints; what the phone feels may be turned. */
+    /**
+     * The walk of [recording], tapped where the surveyor stood, up to so many waypoints; what the phone feels may be turned, or
+     * not be felt at all.
+     */
     protected fun walk(
         survey: ActivityController<SurveyActivity>,
         recording: File,
         nWaypoints: Int = Int.MAX_VALUE,
-        felt: (Record) -> Record = { it },
+        felt: (Record) -> Record? = { it },
     ) {
         var n = 0
         records(recording, SensorClock.nowNs() + 1_000_000_000) { record, waypoint ->
             if (n >= nWaypoints) return@records
-            if (record != null) phone.deliver(felt(record))
+            record?.let(felt)?.let(phone::deliver)
             if (waypoint != null) {
                 phone.clockTo(waypoint.timeNs)
                 tap(survey, waypoint.point)

@@ -13,6 +13,7 @@ import org.fieldwalk.SampleBatch
 import org.fieldwalk.WalkRefusal
 import org.fieldwalk.android.SensorClock
 import org.junit.Assert.assertEquals
+import org.junit.Assert.assertFalse
 import org.junit.Assert.assertNotNull
 import org.junit.Assert.assertTrue
 import org.junit.Test
@@ -171,6 +172,20 @@ class SurveyAppTest : DrivenApp() {
         walk(survey, recording, nWaypoints = 4)
         val last = survey.text(SurveyIds.MESSAGE)
         assertTrue(last, carried.none { it in last })
+    }
+
+    @Test
+    fun `a sensor that falls silent is told, until it speaks again`() {
+        val survey = openPlan()
+        survey.press(SurveyIds.BEGIN)
+        val recording = RecordedFloor.surveyWalks.first()
+        val isSaid = { English.warning(Warning.SENSORS) in survey.text(SurveyIds.MESSAGE) }
+        for (silent in listOf("specific_force", "angular_rate", "magnetic_field")) {
+            walk(survey, recording, nWaypoints = 4)
+            assertFalse("all sensors speak", isSaid())
+            walk(survey, recording, nWaypoints = 4) { record -> record.takeIf { silent !in it.kind } }
+            assertTrue(silent, isSaid())
+        }
     }
 
     @Test
