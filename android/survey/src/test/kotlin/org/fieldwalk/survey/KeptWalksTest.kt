@@ -16,6 +16,7 @@ import org.junit.Test
 import org.junit.runner.RunWith
 import org.robolectric.RobolectricTestRunner
 import java.io.File
+import java.nio.ByteBuffer
 import java.nio.file.Files
 import java.nio.file.Path
 
@@ -267,18 +268,22 @@ private class FullDisk {
     }
 }
 
-/** A surveyor that has panicked once it was given so many walks: from then on it refuses everything. */
+/** A surveyor that panics at the first samples after so many walks: from then on it refuses everything. */
 private class BrokenSurveyor(plan: ByteArray, private val nWhole: Int) : Surveyor(plan.toDirect(), "F1", 0) {
     private var nBegun = 0
+    private var isBroken = false
 
-    override fun beginWalk(name: String) {
-        if (nBegun++ >= nWhole) throw broken()
-        super.beginWalk(name)
+    override fun beginWalk(name: String) = unlessBroken { super.beginWalk(name) }.also { nBegun += 1 }
+
+    override fun pushSamples(batch: ByteBuffer) {
+        isBroken = isBroken || nBegun > nWhole
+        unlessBroken { super.pushSamples(batch) }
     }
 
-    override fun status() = if (nBegun > nWhole) throw broken() else super.status()
-    override fun coverage() = if (nBegun > nWhole) throw broken() else super.coverage()
-    override fun undoWalk() = if (nBegun > nWhole) throw broken() else super.undoWalk()
+    override fun discardWalk() = unlessBroken { super.discardWalk() }
+    override fun status() = unlessBroken { super.status() }
+    override fun coverage() = unlessBroken { super.coverage() }
+    override fun undoWalk() = unlessBroken { super.undoWalk() }
 
-    private fun broken() = ApiException.Broken("a fault", "restart")
+    private fun <T> unlessBroken(call: () -> T): T = if (isBroken) throw ApiException.Broken("a fault", "restart") else call()
 }
