@@ -38,7 +38,8 @@ class CheckActivity : Activity() {
         advice = label(SurveyIds.ADVICE, 18f, isUrgent = true).apply { text = texts.tapYourPlace }
         message = label(SurveyIds.MESSAGE, 16f, isUrgent = true)
         try {
-            val file = CurrentSurvey.folder(this).mapFile.readBytes()
+            val survey = CurrentSurvey.folder(this, intent.getStringExtra(SURVEY)) ?: return finish()
+            val file = survey.mapFile.readBytes()
             BuildingMap.fromFile(file.toDirect()).use { map ->
                 floor = map.floors().first().ordinal
                 plan = PlanView(this, map.drawing(floor), ::hint).apply {

@@ -46,22 +46,20 @@ class ExportProvider : ContentProvider() {
     override fun delete(uri: Uri, selection: String?, arguments: Array<String>?) = 0
 
     private fun file(uri: Uri): File {
-        val folder = CurrentSurvey.folder(requireContext())
+        val (survey, name) = uri.pathSegments.takeIf { it.size == 2 } ?: throw FileNotFoundException(uri.toString())
         // By name among those that are shared, so that no path leads elsewhere.
-        return shared(folder).firstOrNull { it.name == uri.lastPathSegment } ?: throw FileNotFoundException(uri.toString())
+        return CurrentSurvey.folder(requireContext(), survey)?.toShare()?.firstOrNull { it.name == name }
+            ?: throw FileNotFoundException(uri.toString())
     }
 
     companion object {
         private const val NAME = "name"
 
-        private fun shared(folder: SurveyFolder): List<File> =
-            listOf(folder.mapFile).filter { it.isFile } + folder.recordings()
-
         /** What opens the share sheet with the map and all recordings of the survey. */
-        fun share(context: Context, floor: String): Intent {
-            val uris = shared(CurrentSurvey.folder(context)).map { file ->
-                Uri.Builder().scheme("content").authority("${context.packageName}.export").appendPath(file.name)
-                    .appendQueryParameter(NAME, exportName(floor, file.name)).build()
+        fun share(context: Context, survey: SurveyFolder): Intent {
+            val uris = survey.toShare().map { file ->
+                Uri.Builder().scheme("content").authority("${context.packageName}.export").appendPath(survey.name)
+                    .appendPath(file.name).appendQueryParameter(NAME, exportName(survey.floor, file.name)).build()
             }
             val send = Intent(Intent.ACTION_SEND_MULTIPLE).setType("application/octet-stream")
                 .putParcelableArrayListExtra(Intent.EXTRA_STREAM, ArrayList(uris))

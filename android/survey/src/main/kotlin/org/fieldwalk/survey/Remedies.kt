@@ -6,6 +6,7 @@ import org.fieldwalk.WalkRefusal
 import org.fieldwalk.WalkReport
 import org.fieldwalk.android.Trouble
 import org.fieldwalk.android.TroubleKind
+import java.io.IOException
 
 /**
  * What to do about what the engine and the phone tell, by its stable code, in one language. Null for a code that came with a
@@ -16,16 +17,31 @@ interface Remedies {
     fun of(missing: MissingInput): String?
     fun of(trouble: TroubleKind): String?
     fun of(refusal: WalkRefusal): String?
+    /** These recordings are kept, and no part of the survey. */
+    fun putAside(recordings: List<String>): String
 }
 
 /** What went wrong last. */
 sealed interface Mishap {
     data class Failed(val cause: Throwable) : Mishap
     data class Unused(val report: WalkReport) : Mishap
+
+    /** Recordings that were put aside, and why the last of them was. */
+    data class PutAside(val recordings: List<String>, val why: Mishap?) : Mishap
 }
 
-internal fun Remedies.say(failure: Throwable): String =
-    if (failure is ApiException) of(failure) ?: Trouble.of(failure).remedy else failure.message ?: failure.toString()
+internal fun Remedies.say(failure: Throwable): String = when (failure) {
+    is ApiException -> of(failure) ?: Trouble.of(failure).remedy
+    is IOException -> say(refusal(failure))
+    else -> failure.message ?: failure.toString()
+}
+
+/** What the engine says of the same refusal. */
+private fun refusal(io: IOException): ApiException {
+    val message = io.message ?: io.toString()
+    return if ("No space left on device" in message) ApiException.StorageFull(message, message)
+    else ApiException.FileUnwritable(message, message)
+}
 
 internal fun Remedies.say(trouble: Trouble): String =
     (trouble.missing?.let(::of) ?: of(trouble.kind)) ?: trouble.remedy
@@ -33,6 +49,7 @@ internal fun Remedies.say(trouble: Trouble): String =
 internal fun Remedies.say(mishap: Mishap): String = when (mishap) {
     is Mishap.Failed -> say(mishap.cause)
     is Mishap.Unused -> mishap.report.refusal?.let(::of) ?: mishap.report.remedy
+    is Mishap.PutAside -> listOfNotNull(putAside(mishap.recordings), mishap.why?.let { say(it) }).joinToString(" ")
 }
 
 // What a newer engine may tell is not known to the compiler here.
@@ -92,6 +109,9 @@ object EnglishRemedies : Remedies {
         WalkRefusal.NO_STEPS -> "This walk counts for nothing: walk between the taps, the phone in your hand."
         else -> null
     }
+
+    override fun putAside(recordings: List<String>) =
+        "Not in the survey any more, but kept and shared with it: ${recordings.joinToString()}."
 }
 
 @Suppress("REDUNDANT_ELSE_IN_WHEN")
@@ -157,4 +177,7 @@ object GermanRemedies : Remedies {
         WalkRefusal.NO_STEPS -> "Dieser Gang zählt nicht: gehen Sie von Tippen zu Tippen, das Telefon in der Hand."
         else -> null
     }
+
+    override fun putAside(recordings: List<String>) =
+        "Nicht mehr in der Vermessung, aber aufbewahrt und mit ihr geteilt: ${recordings.joinToString()}."
 }

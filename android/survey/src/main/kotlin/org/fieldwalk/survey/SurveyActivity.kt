@@ -26,7 +26,7 @@ class SurveyActivity : Activity() {
     override fun onCreate(saved: Bundle?) {
         setTheme(android.R.style.Theme_DeviceDefault_DayNight)
         super.onCreate(saved)
-        walks = CurrentSurvey.of(this) ?: return finish()
+        walks = CurrentSurvey.of(this, intent.getStringExtra(SURVEY)) ?: return finish()
         texts = texts()
         title = walks.floor
         // A screen that locks stops the sensors in the middle of a walk.
@@ -89,8 +89,13 @@ class SurveyActivity : Activity() {
         SurveyIds.UNDO_TAP -> walks.undoTap()
         SurveyIds.UNDO_WALK -> walks.undoWalk()
         SurveyIds.BUILD -> walks.build()
-        SurveyIds.CHECK -> startActivity(Intent(this, CheckActivity::class.java))
-        else -> startActivity(ExportProvider.share(this, walks.floor))
+        SurveyIds.CHECK -> startActivity(Intent(this, CheckActivity::class.java).of(walks.name))
+        else -> share()
+    }
+
+    private fun share() {
+        val folder = CurrentSurvey.folder(this, walks.name) ?: return
+        if (walks.readyToShare()) startActivity(ExportProvider.share(this, folder))
     }
 
     private fun show(state: SurveyState) {
@@ -108,7 +113,7 @@ class SurveyActivity : Activity() {
         val enabled = mapOf(
             SurveyIds.UNDO_TAP to state.canUndoTap, SurveyIds.UNDO_WALK to state.canUndoWalk,
             SurveyIds.BUILD to state.canBuild, SurveyIds.CHECK to (state.hasMap && state.canBegin),
-            SurveyIds.SHARE to (state.hasMap || state.nWalks > 0),
+            SurveyIds.SHARE to state.canShare,
         )
         enabled.forEach { (id, isEnabled) -> buttons.getValue(id).isEnabled = isEnabled }
     }

@@ -17,7 +17,13 @@ object SurveyIds {
     const val CHECK = 17
     const val SHARE = 18
     const val CHOOSE_PLAN = 30
-    const val CONTINUE = 31
+    const val ORDINAL = 31
     const val FLOOR_NAME = 32
-    const val SCROLL = 33
+    const val LOWER = 33
+    const val HIGHER = 34
+    const val SURVEYS = 35
+
+    /** One for each survey, counted from here. */
+    const val CONTINUE = 1000
+    const val DELETE = 2000
 }

@@ -49,6 +49,8 @@ data class SurveyState(
     val canEnd get() = phase == Phase.WALKING || phase == Phase.PAUSED
     val canUndoWalk get() = phase == Phase.IDLE && nWalks > 0
     val canBuild get() = phase == Phase.IDLE && nWalks > 0
+    /** No half a walk: its recording says nothing yet of waypoints that are taken back. */
+    val canShare get() = phase == Phase.IDLE && (hasMap || nWalks > 0)
 
     /** The covered part of what is open, in per cent. */
     val coveredPercent: Int

@@ -11,6 +11,7 @@ import org.fieldwalk.FloorDrawing
 import org.fieldwalk.MissingInput
 import org.fieldwalk.Point2
 import org.fieldwalk.SurveyStatus
+import org.fieldwalk.Surveyor
 import org.fieldwalk.WalkReport
 import org.fieldwalk.Waypoint
 import org.fieldwalk.android.PhoneSensors
@@ -20,6 +21,7 @@ import org.fieldwalk.android.SensorClock
 import org.fieldwalk.android.Trouble
 import org.fieldwalk.android.TroubleKind
 import java.io.File
+import java.io.IOException
 import java.nio.ByteBuffer
 import java.util.concurrent.Executor
 import kotlin.math.hypot
@@ -28,17 +30,24 @@ import kotlin.math.hypot
  * A survey as the app drives it: sensors into the engine and into a recording while a walk is on, waypoints at taps, a state
  * to show. All calls come from the main thread.
  *
+ * What the disk may refuse is done before the engine is told, or undone there: a full disk leaves a walk that can be ended.
+ *
  * @param background runs what takes seconds
  */
-class SurveyWalks(context: Context, private val folder: SurveyFolder, private val background: Executor) {
-    private val surveyor = folder.surveyor()
+class SurveyWalks(
+    context: Context,
+    private val folder: SurveyFolder,
+    private val background: Executor,
+    private val surveyor: Surveyor = folder.surveyor(),
+) {
     private val sensing = Sensing(beacons = RadioUse.CONTINUOUS)
     private val sensors = PhoneSensors(context, sensing, push = ::push, report = ::report, fail = ::fail)
     private val mutable = MutableStateFlow(SurveyState())
 
-    /** Set while a walk is on and not paused: on the sensors' thread samples go there. */
-    @Volatile private var walk: SurveyFolder.OpenWalk? = null
-    @Volatile private var isPaused = false
+    /** Set while a walk is on and not paused: on the sensors' thread samples go there, one batch at a time under [gate]. */
+    private var part: SurveyFolder.OpenPart? = null
+    private val gate = Any()
+    private var lastPart: File? = null
     @Volatile private var troubles = emptyList<Trouble>()
     private var lastTap: Waypoint? = null
     private var isTooFast = false
@@ -47,22 +56,35 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
     val drawing: FloorDrawing = surveyor.drawing()
     val floor: String = folder.floor
 
+    /** The survey's, not the floor's. */
+    val name: String = folder.name
+
     init {
         restore()
     }
 
     /** Looks how the walk fares; called now and then. */
-    fun look() = mutable.update { state ->
-        val status = surveyor.status()
-        if (!state.canEnd) return@update state.copy(warnings = emptySet())
-        state.copy(nSteps = status.nSteps.toInt(), warnings = warnings(status))
+    fun look() {
+        if (!state.value.canEnd) return mutable.update { it.copy(warnings = emptySet()) }
+        try {
+            val status = surveyor.status()
+            mutable.update { it.copy(nSteps = status.nSteps.toInt(), warnings = warnings(status)) }
+        } catch (broken: ApiException) {
+            fail(broken)
+        }
     }
 
     /** Begins a walk and starts the sensors. */
     fun beginWalk() = attempt(Phase.IDLE) {
-        surveyor.beginWalk("walk ${state.value.nWalks + 1}")
-        walk = folder.beginWalk()
-        start()
+        val begun = folder.beginWalk()
+        try {
+            surveyor.beginWalk("walk ${state.value.nWalks + 1}")
+        } catch (refused: ApiException) {
+            runCatching { begun.finish() }
+            folder.drop(begun.recording)
+            throw refused
+        }
+        start(begun)
     }
 
     /** The surveyor stands at [point]. */
@@ -71,7 +93,12 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         sensors.flush()
         val waypoint = Waypoint(SensorClock.nowNs(), point)
         surveyor.pushWaypoint(waypoint)
-        walk?.tap(waypoint)
+        try {
+            part?.tap(waypoint)
+        } catch (unwritten: ApiException) {
+            surveyor.undoWaypoint()
+            throw unwritten
+        }
         isTooFast = lastTap?.let { speedMS(it, waypoint) > FASTEST_M_S } == true
         lastTap = waypoint
         mutable.update { it.copy(taps = it.taps + point, coverage = surveyor.coverage()) }
@@ -80,8 +107,8 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
 
     /** Takes the last waypoint back; with none left in the walk, nothing. */
     fun undoTap() = attempt(Phase.WALKING) {
-        val undone = surveyor.undoWaypoint() ?: return@attempt
-        walk?.undo(undone)
+        part?.undo(surveyor.status().lastWaypoint ?: return@attempt)
+        surveyor.undoWaypoint()
         lastTap = null
         isTooFast = false
         mutable.update { it.copy(taps = it.taps.dropLast(1), coverage = surveyor.coverage()) }
@@ -90,18 +117,25 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
     /** Pauses the walk: the surveyor is held up or goes elsewhere. */
     fun pause() = attempt(Phase.WALKING) {
         sensors.flush()
+        part?.flush()
         surveyor.pause()
-        walk?.pause(SensorClock.nowNs())
-        isPaused = true
         mutable.update { it.copy(phase = Phase.PAUSED) }
+        finishPart()
     }
 
     /** Goes on with it from another place, which is the next waypoint. */
     fun resume() = attempt(Phase.PAUSED) {
         // What was sensed during the pause is dropped.
         sensors.flush()
-        surveyor.resume()
-        start()
+        val begun = lastPart?.let(folder::beginPart) ?: return@attempt
+        try {
+            surveyor.resume()
+        } catch (refused: ApiException) {
+            runCatching { begun.finish() }
+            folder.drop(begun.recording)
+            throw refused
+        }
+        start(begun)
     }
 
     /** Ends the walk and stops the sensors. */
@@ -109,10 +143,13 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         if (!state.value.canEnd) return
         attempt(state.value.phase) {
             sensors.stop()
-            walk?.finish()
-            walk = null
+            // Whatever refuses below: the walk is over, and another can begin.
             mutable.update { it.copy(phase = Phase.IDLE, taps = emptyList(), warnings = emptySet()) }
-            take(surveyor.endWalk())
+            try {
+                finishPart()
+            } finally {
+                take(surveyor.endWalk())
+            }
         }
     }
 
@@ -134,7 +171,7 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
                     BuildingMap.ofSurvey(floor, listOf(surveyed)).use { map ->
                         val whole = File(folder.folder, "map.part")
                         whole.writeBytes(map.export())
-                        check(whole.renameTo(folder.mapFile)) { "the map cannot be put into its place" }
+                        if (!whole.renameTo(folder.mapFile)) throw IOException("the map cannot be put into its place")
                     }
                 }
             }.exceptionOrNull()
@@ -142,36 +179,85 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         }
     }
 
+    /** Makes the recordings fit to be shared, and tells whether they are. */
+    fun readyToShare(): Boolean {
+        attempt(Phase.IDLE) {
+            folder.leaveOutUndone()
+            // A full disk, which sharing may help to clear, must not hinder it.
+            runCatching { folder.noteShared() }
+        }
+        return state.value.canShare && state.value.mishap == null
+    }
+
     /** Stops the sensors without ending the walk, as the end of the app would. */
     fun abandon() = sensors.stop()
 
     /** Gives the surveyor all that was recorded; a walk that the end of the app cut counts up to its last second. */
     private fun restore() {
-        for (recording in folder.recordings()) {
-            try {
-                surveyor.beginWalk("walk ${recording.nameWithoutExtension}")
-                folder.replay(recording, surveyor)
-                take(surveyor.endWalk(), recording)
-            } catch (refused: ApiException) {
-                // Cut before its first second, it holds nothing.
-                runCatching { surveyor.discardWalk() }
-                folder.drop(recording)
-                mutable.update { it.copy(mishap = Mishap.Failed(refused)) }
-            }
+        val aside = mutableListOf<String>()
+        try {
+            for (walk in folder.walks()) restore(walk, aside)
+            mutable.update { it.copy(coverage = surveyor.coverage()) }
+        } catch (broken: ApiException) {
+            // Whatever comes next would be refused as well: that says nothing of the recordings.
+            fail(broken)
+        } catch (immovable: IOException) {
+            fail(immovable)
         }
-        mutable.update { it.copy(coverage = surveyor.coverage(), hasMap = folder.mapFile.isFile) }
+        mutable.update { it.copy(hasMap = folder.mapFile.isFile) }
+        if (aside.isNotEmpty()) mutable.update { it.copy(mishap = Mishap.PutAside(aside, it.mishap)) }
     }
 
-    private fun start() {
+    /** Restores the walk of these parts; what cannot be goes to [aside], and the others are tried without it. */
+    private fun restore(parts: List<File>, aside: MutableList<String>) {
+        if (parts.isEmpty()) return
+        surveyor.beginWalk("walk ${parts.first().name.substringBefore('-')}")
+        for ((k, recording) in parts.withIndex()) {
+            val refusal = replay(recording, isFirst = k == 0) ?: continue
+            surveyor.discardWalk()
+            fail(refusal)
+            if (folder.putAside(recording)) aside.add(recording.name)
+            return restore(parts - recording, aside)
+        }
+        val report = surveyor.endWalk()
+        if (report.isUsed) return take(report)
+        mutable.update { it.copy(mishap = Mishap.Unused(report)) }
+        parts.filter(folder::putAside).mapTo(aside) { it.name }
+    }
+
+    /** Why the engine did not take a part; that it is broken says nothing of the part. */
+    private fun replay(recording: File, isFirst: Boolean): Exception? = try {
+        if (!isFirst) {
+            surveyor.pause()
+            surveyor.resume()
+        }
+        folder.replay(recording, surveyor)
+        null
+    } catch (broken: ApiException.Broken) {
+        throw broken
+    } catch (refused: ApiException) {
+        refused
+    } catch (unreadable: IOException) {
+        unreadable
+    }
+
+    private fun start(begun: SurveyFolder.OpenPart) {
         lastTap = null
         isTooFast = false
-        isPaused = false
+        lastPart = begun.recording
+        synchronized(gate) { part = begun }
         mutable.update { it.copy(phase = Phase.WALKING, taps = emptyList(), nSteps = 0) }
         sensors.start()
     }
 
-    private fun take(report: WalkReport, recording: File? = folder.recordings().lastOrNull()) {
-        if (!report.isUsed) recording?.let(folder::drop)
+    private fun finishPart() {
+        val ended = part
+        synchronized(gate) { part = null }
+        ended?.finish()
+    }
+
+    private fun take(report: WalkReport) {
+        if (!report.isUsed) folder.dropLastWalk()
         mutable.update { state ->
             if (report.isUsed) state.copy(walkLengthsM = state.walkLengthsM + report.routeM, coverage = surveyor.coverage())
             else state.copy(mishap = Mishap.Unused(report), coverage = surveyor.coverage())
@@ -192,10 +278,11 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
     }
 
     /** On the sensors' thread. */
-    private fun push(batch: ByteBuffer) {
-        if (isPaused) return
-        surveyor.pushSamples(batch.duplicate().order(batch.order()))
-        walk?.push(batch)
+    private fun push(batch: ByteBuffer) = synchronized(gate) {
+        part?.let {
+            surveyor.pushSamples(batch.duplicate().order(batch.order()))
+            it.push(batch)
+        } ?: Unit
     }
 
     private fun report(troubles: List<Trouble>) {
@@ -214,7 +301,7 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
             if (TroubleKind.CALIBRATION in kinds) add(Warning.CALIBRATION)
             if (kinds.any { it.name.startsWith("BLUETOOTH") }) add(Warning.BLUETOOTH)
             if (kinds.any { it.name.startsWith("LOCATION") }) add(Warning.LOCATION)
-            if (TroubleKind.SENSOR_ABSENT in kinds || MissingInput.ACCELEROMETER in missing) add(Warning.SENSORS)
+            if (TroubleKind.SENSOR_ABSENT in kinds || missing.any { it in SENSORS }) add(Warning.SENSORS)
         }
     }
 
@@ -224,7 +311,9 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
         try {
             step()
         } catch (refused: ApiException) {
-            mutable.update { it.copy(mishap = Mishap.Failed(refused)) }
+            fail(refused)
+        } catch (unwritten: IOException) {
+            fail(unwritten)
         }
     }
 
@@ -234,5 +323,7 @@ class SurveyWalks(context: Context, private val folder: SurveyFolder, private va
     private companion object {
         /** Who goes faster runs, or tapped late. */
         const val FASTEST_M_S = 1.8
+        /** Without any of them a walk makes no map. */
+        val SENSORS = setOf(MissingInput.ACCELEROMETER, MissingInput.GYROSCOPE, MissingInput.MAGNETOMETER)
     }
 }

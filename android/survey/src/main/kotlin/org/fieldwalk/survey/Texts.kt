@@ -8,7 +8,10 @@ interface Texts {
     val title: String
     val choosePlan: String
     val floorName: String
-    val continueSurvey: String
+    val lowerFloor: String
+    val higherFloor: String
+    val delete: String
+    val keep: String
     val beginWalk: String
     val endWalk: String
     val undoTap: String
@@ -24,6 +27,9 @@ interface Texts {
     val planUnreadable: String
     val remedies: Remedies
 
+    fun floorNumber(ordinal: Int): String
+    fun continueSurvey(floor: String, nWalks: Int, begun: String): String
+    fun reallyDelete(floor: String, nWalks: Int, isShared: Boolean): String
     fun advice(state: SurveyState): String
     fun summary(state: SurveyState): String
     fun accuracy(medianM: Double, p90M: Double): String
@@ -40,7 +46,10 @@ object English : Texts {
     override val title = "Fieldwalk survey"
     override val choosePlan = "Choose a floor plan"
     override val floorName = "Name of the floor"
-    override val continueSurvey = "Continue the survey"
+    override val lowerFloor = "One floor lower"
+    override val higherFloor = "One floor higher"
+    override val delete = "Delete"
+    override val keep = "Keep"
     override val beginWalk = "Begin a walk"
     override val endWalk = "End the walk"
     override val undoTap = "Undo tap"
@@ -56,6 +65,18 @@ object English : Texts {
     override val planUnreadable = "This is no floor plan in GeoJSON."
     override val remedies = EnglishRemedies
 
+    override fun floorNumber(ordinal: Int) = "Floor number: $ordinal (0 is the ground floor)"
+
+    override fun continueSurvey(floor: String, nWalks: Int, begun: String) =
+        "Continue $floor, ${walks(nWalks)}, begun $begun"
+
+    override fun reallyDelete(floor: String, nWalks: Int, isShared: Boolean) =
+        "Delete the survey of $floor with ${walks(nWalks)}? " +
+            if (isShared) "Sharing was opened since it last changed: make sure that it arrived."
+            else "It has not been shared as it is now: only this phone has it."
+
+    private fun walks(n: Int) = if (n == 1) "1 walk" else "$n walks"
+
     override fun advice(state: SurveyState) = when (state.phase) {
         Phase.IDLE -> if (state.nWalks == 0) "Begin a walk, then tap where you stand." else "Begin another walk, or build the map."
         Phase.WALKING ->
@@ -64,10 +85,8 @@ object English : Texts {
         Phase.BUILDING -> "Building the map…"
     }
 
-    override fun summary(state: SurveyState): String {
-        val walks = if (state.nWalks == 1) "1 walk" else "${state.nWalks} walks"
-        return "$walks, ${state.routeM.roundToInt()} m, ${state.coveredPercent} % covered"
-    }
+    override fun summary(state: SurveyState) =
+        "${walks(state.nWalks)}, ${state.routeM.roundToInt()} m, ${state.coveredPercent} % covered"
 
     override fun accuracy(medianM: Double, p90M: Double) =
         String.format(Locale.ENGLISH, "Expected error: %.1f m, nine of ten under %.1f m", medianM, p90M)
@@ -95,7 +114,10 @@ object German : Texts {
     override val title = "Fieldwalk-Vermessung"
     override val choosePlan = "Grundriss wählen"
     override val floorName = "Name des Stockwerks"
-    override val continueSurvey = "Vermessung fortsetzen"
+    override val lowerFloor = "Ein Stockwerk tiefer"
+    override val higherFloor = "Ein Stockwerk höher"
+    override val delete = "Löschen"
+    override val keep = "Behalten"
     override val beginWalk = "Gang beginnen"
     override val endWalk = "Gang beenden"
     override val undoTap = "Tippen zurück"
@@ -111,6 +133,18 @@ object German : Texts {
     override val planUnreadable = "Das ist kein Grundriss in GeoJSON."
     override val remedies = GermanRemedies
 
+    override fun floorNumber(ordinal: Int) = "Stockwerk Nummer $ordinal (0 ist das Erdgeschoss)"
+
+    override fun continueSurvey(floor: String, nWalks: Int, begun: String) =
+        "$floor fortsetzen, ${walks(nWalks)}, begonnen $begun"
+
+    override fun reallyDelete(floor: String, nWalks: Int, isShared: Boolean) =
+        "Die Vermessung von $floor löschen, ${walks(nWalks)}? " +
+            if (isShared) "Seit ihrer letzten Änderung wurde Teilen geöffnet: prüfen Sie, ob sie ankam."
+            else "So wie sie jetzt ist, wurde sie nicht geteilt: nur dieses Telefon hat sie."
+
+    private fun walks(n: Int) = if (n == 1) "1 Gang" else "$n Gänge"
+
     override fun advice(state: SurveyState) = when (state.phase) {
         Phase.IDLE ->
             if (state.nWalks == 0) "Beginnen Sie einen Gang und tippen Sie, wo Sie stehen."
@@ -122,10 +156,8 @@ object German : Texts {
         Phase.BUILDING -> "Die Karte wird gebaut …"
     }
 
-    override fun summary(state: SurveyState): String {
-        val walks = if (state.nWalks == 1) "1 Gang" else "${state.nWalks} Gänge"
-        return "$walks, ${state.routeM.roundToInt()} m, ${state.coveredPercent} % abgedeckt"
-    }
+    override fun summary(state: SurveyState) =
+        "${walks(state.nWalks)}, ${state.routeM.roundToInt()} m, ${state.coveredPercent} % abgedeckt"
 
     override fun accuracy(medianM: Double, p90M: Double) =
         String.format(Locale.GERMAN, "Erwarteter Fehler: %.1f m, neun von zehn unter %.1f m", medianM, p90M)

@@ -56,4 +56,5 @@ private object NoRemedies : Remedies {
     override fun of(missing: MissingInput) = null
     override fun of(trouble: TroubleKind) = null
     override fun of(refusal: WalkRefusal) = null
+    override fun putAside(recordings: List<String>) = ""
 }

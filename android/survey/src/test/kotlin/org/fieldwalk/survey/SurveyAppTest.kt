@@ -1,32 +1,21 @@
 package org.fieldwalk.survey
 
-import android.app.Activity
 import android.content.Intent
-import android.graphics.Bitmap
-import android.graphics.Canvas
 import android.net.Uri
-import android.os.SystemClock
-import android.view.MotionEvent
 import android.view.View
-import android.view.ViewGroup
 import android.widget.Button
-import android.widget.TextView
 import org.fieldwalk.BuildingMap
 import org.fieldwalk.Fix
 import org.fieldwalk.Point2
 import org.fieldwalk.PositionHint
 import org.fieldwalk.Positioner
-import org.fieldwalk.Record
 import org.fieldwalk.SampleBatch
 import org.fieldwalk.WalkRefusal
 import org.fieldwalk.android.SensorClock
-import org.fieldwalk.android.SimulatedPhone
-import org.junit.After
 import org.junit.Assert.assertEquals
 import org.junit.Assert.assertFalse
 import org.junit.Assert.assertNotNull
 import org.junit.Assert.assertTrue
-import org.junit.Before
 import org.junit.Test
 import org.junit.runner.RunWith
 import org.robolectric.Robolectric
@@ -43,22 +32,7 @@ import kotlin.math.hypot
 @RunWith(RobolectricTestRunner::class)
 @Config(qualifiers = "w411dp-h891dp-420dpi")
 @GraphicsMode(GraphicsMode.Mode.NATIVE)
-class SurveyAppTest {
-    private val phone = SimulatedPhone().also { it.grantAll() }
-    private val later = ArrayDeque<Runnable>()
-
-    @Before
-    fun begin() {
-        CurrentSurvey.background = java.util.concurrent.Executor(later::add)
-        phone.clockTo(1_000_000_000_000)
-    }
-
-    @After
-    fun end() {
-        CurrentSurvey.forget()
-        CurrentSurvey.folder(phone.context).folder.deleteRecursively()
-    }
-
+class SurveyAppTest : DrivenApp() {
     @Test
     fun `a survey through the views gives a map as good as the host's`() {
         val survey = openPlan()
@@ -70,7 +44,7 @@ class SurveyAppTest {
         }
         survey.press(SurveyIds.BUILD)
         runLater()
-        val state = CurrentSurvey.of(phone.context)!!.state.value
+        val state = walks().state.value
         assertEquals(RecordedFloor.surveyWalks.size, state.nWalks)
         assertEquals(null, state.mishap)
         assertEquals(100, state.coveredPercent)
@@ -84,7 +58,7 @@ class SurveyAppTest {
         assertTrue(survey.text(SurveyIds.ACCURACY).contains("Expected error"))
         shoot(survey.get(), "surveyed")
 
-        val map = CurrentSurvey.folder(phone.context).mapFile
+        val map = folder().mapFile
         val own = BuildingMap.fromFile(map.readBytes().toDirect()).use { meanErrorM(it) }
         val host = BuildingMap.open(RecordedFloor.hostMap.path).use { meanErrorM(it) }
         println("mean error of an unseen walk at its waypoints: $own m on the app's map, $host m on the host's")
@@ -101,16 +75,16 @@ class SurveyAppTest {
         survey.press(SurveyIds.BEGIN)
         walk(survey, first)
         survey.press(SurveyIds.END)
-        val whole = CurrentSurvey.of(phone.context)!!.state.value
+        val whole = walks().state.value
         survey.press(SurveyIds.BEGIN)
         walk(survey, second, nWaypoints = 4)
-        val (taps, coverage) = CurrentSurvey.of(phone.context)!!.state.value.let { it.taps to it.coverage!!.totals }
+        val (taps, coverage) = walks().state.value.let { it.taps to it.coverage!!.totals }
         assertEquals(4, taps.size)
         // The process is gone; nothing was saved on its way out.
         CurrentSurvey.forget()
 
         val again = open(SurveyActivity::class.java)
-        val state = CurrentSurvey.of(phone.context)!!.state.value
+        val state = walks().state.value
         assertEquals(null, state.mishap)
         assertEquals(whole.walkLengthsM[0], state.walkLengthsM[0], 1e-9)
         assertEquals("the cut walk counts up to its last waypoint", 2, state.nWalks)
@@ -120,9 +94,9 @@ class SurveyAppTest {
         again.press(SurveyIds.BEGIN)
         walk(again, second, nWaypoints = 3)
         again.press(SurveyIds.END)
-        assertEquals(3, CurrentSurvey.of(phone.context)!!.state.value.nWalks)
+        assertEquals(3, walks().state.value.nWalks)
         again.press(SurveyIds.UNDO_WALK)
-        assertEquals(2, CurrentSurvey.folder(phone.context).recordings().size)
+        assertEquals(2, folder().recordings().size)
     }
 
     @Test
@@ -132,15 +106,15 @@ class SurveyAppTest {
         val recording = RecordedFloor.surveyWalks.first()
         walk(survey, recording, nWaypoints = 3)
         survey.press(SurveyIds.UNDO_TAP)
-        assertEquals(2, CurrentSurvey.of(phone.context)!!.state.value.taps.size)
+        assertEquals(2, walks().state.value.taps.size)
         survey.press(SurveyIds.PAUSE)
-        assertEquals(Phase.PAUSED, CurrentSurvey.of(phone.context)!!.state.value.phase)
+        assertEquals(Phase.PAUSED, walks().state.value.phase)
         assertEquals(View.VISIBLE, survey.view<Button>(SurveyIds.RESUME).visibility)
         survey.press(SurveyIds.RESUME)
         walk(survey, recording, nWaypoints = 2)
-        val covered = CurrentSurvey.of(phone.context)!!.state.value.coverage!!.totals
+        val covered = walks().state.value.coverage!!.totals
         CurrentSurvey.forget()
-        val restored = CurrentSurvey.of(phone.context)!!.state.value
+        val restored = walks().state.value
         assertEquals(covered.routeM, restored.coverage!!.totals.routeM, 1e-9)
     }
 
@@ -153,14 +127,14 @@ class SurveyAppTest {
         val survey = openPlan()
         survey.press(SurveyIds.BEGIN)
         walk(survey, RecordedFloor.surveyWalks.first(), nWaypoints = 3)
-        val before = CurrentSurvey.of(phone.context)!!.state.value
+        val before = walks().state.value
         RuntimeEnvironment.setQualifiers("+w891dp-h411dp-land")
         survey.recreate()
         lay(survey.get())
-        assertEquals(before.taps, CurrentSurvey.of(phone.context)!!.state.value.taps)
+        assertEquals(before.taps, walks().state.value.taps)
         assertTrue(survey.text(SurveyIds.ADVICE).startsWith("Gehen Sie geradeaus"))
         tap(survey, before.taps.first().copy(yM = before.taps.first().yM + 1))
-        assertEquals(4, CurrentSurvey.of(phone.context)!!.state.value.taps.size)
+        assertEquals(4, walks().state.value.taps.size)
         shoot(survey.get(), "walking-german-night-landscape")
     }
 
@@ -179,7 +153,7 @@ class SurveyAppTest {
         shoot(survey.get(), "refused")
         // A walk without steps is of no use to the map: its recording is dropped, and why is said.
         assertEquals(EnglishRemedies.of(WalkRefusal.NO_STEPS), survey.text(SurveyIds.MESSAGE))
-        assertEquals(0, CurrentSurvey.folder(phone.context).recordings().size)
+        assertEquals(0, folder().recordings().size)
     }
 
     @Test
@@ -201,12 +175,26 @@ class SurveyAppTest {
     }
 
     @Test
+    fun `a sensor that falls silent is told, until it speaks again`() {
+        val survey = openPlan()
+        survey.press(SurveyIds.BEGIN)
+        val recording = RecordedFloor.surveyWalks.first()
+        val isSaid = { English.warning(Warning.SENSORS) in survey.text(SurveyIds.MESSAGE) }
+        for (silent in listOf("specific_force", "angular_rate", "magnetic_field")) {
+            walk(survey, recording, nWaypoints = 4)
+            assertFalse("all sensors speak", isSaid())
+            walk(survey, recording, nWaypoints = 4) { record -> record.takeIf { silent !in it.kind } }
+            assertTrue(silent, isSaid())
+        }
+    }
+
+    @Test
     fun `a plan that is none is refused, and the survey on disk stays`() {
         openPlan()
         CurrentSurvey.forget()
         val start = choosePlan("no plan".toByteArray())
         assertEquals(English.planUnreadable, start.text(SurveyIds.MESSAGE))
-        assertTrue(CurrentSurvey.folder(phone.context).isSurvey)
+        assertTrue(folder().isSurvey)
         assertNotNull(start.get().findViewById<View>(SurveyIds.FLOOR_NAME))
         shoot(open(StartActivity::class.java).get(), "start")
     }
@@ -252,8 +240,10 @@ class SurveyAppTest {
         val provider = Robolectric.setupContentProvider(ExportProvider::class.java, uris[0].authority!!)
         val sent = provider.openFile(uris[0], "r").use { android.os.ParcelFileDescriptor.AutoCloseInputStream(it).readBytes() }
         assertTrue(sent.contentEquals(map.readBytes()))
-        val stranger = uris[0].buildUpon().path("../../plan.geojson").build()
-        assertTrue(runCatching { provider.openFile(stranger, "r") }.exceptionOrNull() is java.io.FileNotFoundException)
+        for (path in listOf("../../plan.geojson", "/${folder().name}/plan.geojson", "/${folder().name}")) {
+            val stranger = uris[0].buildUpon().path(path).build()
+            assertTrue(runCatching { provider.openFile(stranger, "r") }.exceptionOrNull() is java.io.FileNotFoundException)
+        }
     }
 
     /** At the waypoints but the first, of which the start is known to two metres. */
@@ -274,102 +264,4 @@ class SurveyAppTest {
     }
 
     private fun errorM(fix: Fix, point: Point2) = hypot(fix.position.xM - point.xM, fix.position.yM - point.yM)
-
-    /** From the start screen to the survey's, by the choice of a plan. */
-    private fun openPlan(): ActivityController<SurveyActivity> {
-        val start = choosePlan(RecordedFloor.plan)
-        assertEquals(SurveyActivity::class.java.name, shadowOf(start.get()).nextStartedActivity.component!!.className)
-        return open(SurveyActivity::class.java)
-    }
-
-    private fun choosePlan(bytes: ByteArray): ActivityController<StartActivity> {
-        val start = open(StartActivity::class.java)
-        start.press(SurveyIds.CHOOSE_PLAN)
-        val plan = Uri.parse("content://plans/1")
-        shadowOf(phone.context.contentResolver).registerInputStream(plan, bytes.inputStream())
-        val asked = generateSequence { shadowOf(start.get()).nextStartedActivity }.first { it.action == Intent.ACTION_OPEN_DOCUMENT }
-        shadowOf(start.get()).receiveResult(asked, Activity.RESULT_OK, Intent().setData(plan))
-        return start
-    }
-
-    /** The walk of [recording], tapped where the surveyor stood, up to so many waypoints; what the phone feels may be turned. */
-    private fun walk(
-        survey: ActivityController<SurveyActivity>,
-        recording: File,
-        nWaypoints: Int = Int.MAX_VALUE,
-        felt: (Record) -> Record = { it },
-    ) {
-        var n = 0
-        records(recording, SensorClock.nowNs() + 1_000_000_000) { record, waypoint ->
-            if (n >= nWaypoints) return@records
-            if (record != null) phone.deliver(felt(record))
-            if (waypoint != null) {
-                phone.clockTo(waypoint.timeNs)
-                tap(survey, waypoint.point)
-                n += 1
-            }
-        }
-        phone.settle()
-    }
-
-    private fun tap(activity: ActivityController<*>, point: Point2) {
-        val plan = activity.view<PlanView>(SurveyIds.PLAN)
-        val viewport = plan.viewport!!
-        val (x, y) = viewport.xPx(point).toFloat() to viewport.yPx(point).toFloat()
-        val now = SystemClock.uptimeMillis()
-        for (action in listOf(MotionEvent.ACTION_DOWN, MotionEvent.ACTION_UP)) {
-            plan.dispatchTouchEvent(MotionEvent.obtain(now, now, action, x, y, 0))
-        }
-    }
-
-    private fun <A : Activity> open(type: Class<A>): ActivityController<A> =
-        Robolectric.buildActivity(type).setup().also { lay(it.get()) }
-
-    private fun lay(activity: Activity) {
-        phone.settle()
-        val view = activity.window.decorView
-        val metrics = activity.resources.displayMetrics
-        val exactly = { px: Int -> View.MeasureSpec.makeMeasureSpec(px, View.MeasureSpec.EXACTLY) }
-        view.measure(exactly(metrics.widthPixels), exactly(metrics.heightPixels))
-        view.layout(0, 0, metrics.widthPixels, metrics.heightPixels)
-    }
-
-    private fun ActivityController<*>.press(id: Int) {
-        phone.settle()
-        val button = view<Button>(id)
-        assertTrue("${button.text} is there", button.isEnabled && button.visibility == View.VISIBLE)
-        button.performClick()
-        phone.settle()
-    }
-
-    private fun ActivityController<*>.text(id: Int): String {
-        phone.settle()
-        return view<TextView>(id).text.toString()
-    }
-
-    private fun <V : View> ActivityController<*>.view(id: Int): V = (get() as Activity).requireViewById(id)
-
-    private fun runLater() {
-        while (later.isNotEmpty()) later.removeFirst().run()
-        phone.settle()
-        assertFalse(CurrentSurvey.of(phone.context)!!.state.value.phase == Phase.BUILDING)
-    }
-
-    private fun descendants(view: View): Sequence<View> = sequence {
-        yield(view)
-        if (view is ViewGroup) for (k in 0..<view.childCount) yieldAll(descendants(view.getChildAt(k)))
-    }
-
-    /** To be looked at. */
-    private fun shoot(activity: Activity, name: String) {
-        lay(activity)
-        val view = activity.window.decorView
-        val picture = Bitmap.createBitmap(view.width, view.height, Bitmap.Config.ARGB_8888)
-        view.draw(Canvas(picture))
-        val colours = (0..<picture.width step 7).flatMap { x -> (0..<picture.height step 7).map { y -> picture.getPixel(x, y) } }
-        assertTrue("$name is not blank", colours.toSet().size > 8)
-        val file = File(System.getProperty("fieldwalk.screenshots")!!, "$name.png")
-        file.parentFile!!.mkdirs()
-        file.outputStream().use { picture.compress(Bitmap.CompressFormat.PNG, 100, it) }
-    }
 }
