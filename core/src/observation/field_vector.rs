@@ -45,6 +45,7 @@ pub fn update(
     params: &FieldVectorParams,
     floor: &FloorIndex,
     observed: &LevelField,
+    from_m: [&[f32]; 2],
     particles: &mut Particles,
 ) {
     let noise_ut2 = params.noise_sd_ut * params.noise_sd_ut;
@@ -52,7 +53,11 @@ pub fn update(
     let nu = params.degrees_of_freedom;
     let [right, ahead, up] = observed.field_ut;
     for i in 0..particles.x_m.len() {
-        let Some([fx, fy, fz, map_ut2]) = floor.field(particles.x_m[i], particles.y_m[i]) else { continue };
+        // What a step has read, it has read about its middle: there the survey has put it too.
+        let middle_m = |from_m: &[f32], to_m: f32| from_m.get(i).map_or(to_m, |from_m| 0.5 * (from_m + to_m));
+        let x_m = middle_m(from_m[0], particles.x_m[i]);
+        let y_m = middle_m(from_m[1], particles.y_m[i]);
+        let Some([fx, fy, fz, map_ut2]) = floor.field(x_m, y_m) else { continue };
         let (sin, cos) = (particles.heading_sin[i], particles.heading_cos[i]);
         let bias = [particles.bias_x_ut[i], particles.bias_y_ut[i], particles.bias_z_ut[i]];
         let innovation = [
@@ -126,7 +131,7 @@ mod tests {
         // Facing east, north is to the left: x = −20.
         let observed = LevelField { field_ut: [-20.0, 0.0, -40.0] };
         let mut particles = particles(&[FRAC_PI_2, 0.0, -FRAC_PI_2]);
-        update(&FieldVectorParams::default(), &floor(), &observed, &mut particles);
+        update(&FieldVectorParams::default(), &floor(), &observed, [&[], &[]], &mut particles);
         assert!(particles.log_weight[0] > particles.log_weight[1]);
         assert!(particles.log_weight[1] > particles.log_weight[2]);
     }
@@ -141,7 +146,7 @@ mod tests {
             ..FieldVectorParams::default()
         };
         let mut particles = particles(&[0.0]);
-        update(&params, &floor(), &LevelField { field_ut: [3.4, 20.0, -40.0] }, &mut particles);
+        update(&params, &floor(), &LevelField { field_ut: [3.4, 20.0, -40.0] }, [&[], &[]], &mut particles);
         // gain = 25/(25 + 9), variance = 25·9/34
         assert!((particles.bias_x_ut[0] - 3.4 * 25.0 / 34.0).abs() < 1e-3);
         assert!((particles.bias_variance_ut2[0] - 25.0 * 9.0 / 34.0).abs() < 1e-3);
@@ -151,7 +156,7 @@ mod tests {
     fn an_unknown_place_is_no_evidence() {
         let mut particles = particles(&[0.0]);
         particles.x_m[0] = 50.0;
-        update(&FieldVectorParams::default(), &floor(), &LevelField::default(), &mut particles);
+        update(&FieldVectorParams::default(), &floor(), &LevelField::default(), [&[], &[]], &mut particles);
         assert_eq!(particles.log_weight, [0.0]);
     }
 
@@ -161,7 +166,13 @@ mod tests {
         let mut particles = particles(&[0.0]);
         let readings = |n: usize, ahead_ut: f32, particles: &mut Particles| {
             for _ in 0..n {
-                update(&params, &floor, &LevelField { field_ut: [0.0, ahead_ut, -40.0] }, particles);
+                update(
+                    &params,
+                    &floor,
+                    &LevelField { field_ut: [0.0, ahead_ut, -40.0] },
+                    [&[], &[]],
+                    particles,
+                );
             }
             particles.bias_y_ut[0]
         };

@@ -75,7 +75,8 @@ impl Tracker {
                     field_vector::forget_bias(params, &mut self.state.particles);
                 }
                 if let Some(field) = &event.forward_field {
-                    field_vector::update(params, &self.floor, field, &mut self.state.particles);
+                    let from_m = [&*self.scratch.from_x_m, &*self.scratch.from_y_m];
+                    field_vector::update(params, &self.floor, field, from_m, &mut self.state.particles);
                 }
             }
             MagneticRule::History(params) if event.cycle.is_first && self.is_card() => {
