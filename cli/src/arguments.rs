@@ -119,7 +119,8 @@ Examples:
       # a map that has not seen the walks of fold 0: replay those on it
 
 Layouts:
-  recordings   plan.geojson, a GeoJSON plan; and logs with waypoints in survey/
+  recordings   plan.geojson, a GeoJSON plan, in degrees or in metres from the
+               outline's lowest corner, 0, 0; and logs with waypoints in survey/
                (or, where there is none, beside the plan): *.mcap, *.txt, *.json,
                folders of Sensor Logger. Logs in test/ are left for `evaluate` and
                `replay`. A floor is called as its folder; if that is no floor's name,

@@ -187,6 +187,34 @@ fn a_floor_that_fails_does_not_sink_the_others() {
 }
 
 #[test]
+fn walks_of_another_floor_neither_survey_nor_test() {
+    let site = folder("evaluate_other_floor");
+    let floor = write_floor(&site, "F1", 8);
+    let arguments = ["evaluate", text(&floor), "--seeds", "1", "--systems", "dead-reckoning", "--json"];
+    // Walk 1 surveys, walk 5 tests; both floors' frames are one, so nothing else tells.
+    fs::remove_file(trace(&floor, 1)).unwrap();
+    let without_walk = fieldwalk(&arguments);
+    for k in [1, 5] {
+        fs::write(trace(&floor, k), format!("#\tFloorName:F3\n{}", walk(k))).unwrap();
+    }
+    let output = fieldwalk(&arguments);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    for said in [
+        "walk-01.txt: left out, as it was recorded on another floor, F3",
+        "walk-05.txt: left out",
+        "floor F1: 2 walks of other floors",
+    ] {
+        assert!(output.status.success() && errors.contains(said), "`{said}` is missing: {errors}");
+    }
+    let row = |stdout: Vec<u8>| {
+        let json = String::from_utf8(stdout).unwrap();
+        timeless(serde_json::from_str(json.lines().next().unwrap()).unwrap())
+    };
+    let (row, without_walk) = (row(output.stdout), row(without_walk.stdout));
+    assert_eq!((&row["n_walks"], &without_walk["n_walks"]), (&1.into(), &2.into()));
+}
+
+#[test]
 fn walks_without_waypoints_and_floors_without_test_walks_are_said() {
     let site = folder("evaluate_nothing");
     let floor = write_floor(&site, "F1", 8);

@@ -93,6 +93,38 @@ fn a_walk_that_cannot_be_used_is_listed_and_the_others_are_mapped() {
     assert_eq!(report["n_lines_rejected"], 2);
 }
 
+/// `walk` with the first `n` of its waypoints 500 m to the east.
+fn moved(walk: &str, n: usize) -> String {
+    let mut n_seen = 0;
+    let line = |line: &str| {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let [ms, "TYPE_WAYPOINT", x, y] = fields[..] else { return format!("{line}\n") };
+        n_seen += 1;
+        let x_m: f64 = x.parse().unwrap();
+        format!("{ms}\tTYPE_WAYPOINT\t{}\t{y}\n", if n_seen <= n { x_m + 500.0 } else { x_m })
+    };
+    walk.lines().map(line).collect()
+}
+
+#[test]
+fn what_lies_beside_the_plan_is_refused_or_counted() {
+    let site = folder("survey_off_plan");
+    let floor = write_floor(&site, "F1", 4);
+    let map = site.join("map");
+    fs::write(trace(&floor, 1), moved(&walk(1), 100)).unwrap();
+    fs::write(trace(&floor, 2), moved(&walk(2), 2)).unwrap();
+    let arguments = ["survey", text(&floor), "--out", text(&map), "--coverage"];
+    let table = succeed(&arguments);
+    for said in [
+        "F1: 2 waypoints beside the plan",
+        "walk-01.txt: no waypoint on the plan, the first at 517.0, 3.0, where the plan has 20.0 m x 20.0 m",
+    ] {
+        assert!(table.contains(said), "`{said}` is missing: {table}");
+    }
+    let report: Value = serde_json::from_str(&succeed(&[&arguments[..], &["--json"]].concat())).unwrap();
+    assert_eq!((&report["n_walks"], &report["n_waypoints_off_plan"]), (&3.into(), &2.into()));
+}
+
 #[test]
 fn a_survey_without_usable_walks_says_so_and_writes_nothing() {
     let site = folder("survey_empty");

@@ -172,6 +172,14 @@ fn warn(label: &str, scores: &FloorScores) {
     for path in &scores.without_waypoints {
         note("warning", &format!("{}: no two waypoints, so nothing to score", path.display()));
     }
+    for (path, name) in &scores.of_other_floors {
+        let message = "left out, as it was recorded on another floor";
+        note("warning", &format!("{}: {message}, {name} (move it to that floor's folder)", path.display()));
+    }
+    if scores.of_other_floors.len() > 1 {
+        let n = scores.of_other_floors.len();
+        note("warning", &format!("floor {label}: {n} walks of other floors were left out"));
+    }
     if scores.n_walks() == 0 {
         note(
             "warning",
