@@ -15,6 +15,7 @@ pub mod evaluation;
 pub mod floors;
 pub mod plot;
 mod progress;
+mod quoted;
 pub mod report;
 pub mod reproduce;
 mod simulated;
