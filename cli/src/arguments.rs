@@ -57,7 +57,8 @@ pub enum Command {
 /// Survey a simulated office and position walks in it: needs no recording.
 ///
 /// The office of 60 × 40 m has steel, transmitters, walkers and phones by chance. Its map is built from simulated survey
-/// walks; then every system is scored on other walks, by other walkers with other phones, whose start is known to ± 2 m.
+/// walks; then `dead-reckoning`, `mass-centered` and `fused` are scored on other walks, by other walkers with other phones,
+/// whose start is known to ± 2 m.
 /// Scored are the fixes once a second from the fifth on, against the simulator's truth.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -410,7 +411,7 @@ columns (forward, backward, leftward, rightward) that sum to 1; prior, of the fo
 
 See `fieldwalk --help` for the exit codes.")]
 pub struct TrainAttitudeArguments {
-    /// Recordings of any format, or folders of the Tyrex benchmark, of which the trials of texting are taken.
+    /// Recordings of any format, exports of Sensor Logger too, or folders of the Tyrex benchmark, of which the trials of texting are taken.
     #[arg(value_name = "RECORDING|DIR", required = true)]
     pub recordings: Vec<PathBuf>,
 

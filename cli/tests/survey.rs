@@ -78,7 +78,7 @@ fn a_walk_that_cannot_be_used_is_listed_and_the_others_are_mapped() {
 
     let table = succeed(&["survey", text(&floor), "--out", text(&map), "--coverage"]);
     for said in [
-        "walk-01.txt: line 1: not an indoor-location-competition trace",
+        "walk-01.txt: line 1: of no known format",
         "walk-02.txt: 0 waypoints, where two are needed",
         "walk-03.txt: no steps between its waypoints",
         "2 lines not understood, the first: ",
@@ -137,8 +137,7 @@ fn a_survey_without_usable_walks_says_so_and_writes_nothing() {
     );
     let foreign = write_floor(&site, "F2", 1);
     fs::write(trace(&foreign, 0), "name,value\n1,2\n").unwrap();
-    let said =
-        ["F2: none of 1 walks can be used (tap a waypoint", "walk-00.txt: line 1: not an indoor-location"];
+    let said = ["F2: none of 1 walks can be used (tap a waypoint", "walk-00.txt: line 1: of no known format"];
     fail(&["survey", text(&foreign), "--out", text(&map)], 1, &said);
     let tested = write_floor(&site, "F3", 1);
     fail(

@@ -141,7 +141,7 @@ impl RecordSource for SensorLoggerReader {
 }
 
 /// Whether the folder `dir` is an export: it has the app's metadata, or one of its sensors' files.
-pub(crate) fn is_export(dir: &Path) -> bool {
+pub fn is_export(dir: &Path) -> bool {
     dir.join(METADATA_FILE).is_file()
         || entry::Sensor::ALL.into_iter().any(|sensor| dir.join(format!("{}.csv", sensor.name())).is_file())
 }
