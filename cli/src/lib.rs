@@ -14,6 +14,7 @@ mod error_table;
 pub mod evaluation;
 pub mod floors;
 pub mod plot;
+mod probe;
 mod progress;
 mod quoted;
 pub mod report;

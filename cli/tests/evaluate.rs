@@ -179,7 +179,7 @@ fn a_floor_that_fails_does_not_sink_the_others() {
     fail(
         &arguments,
         1,
-        &["floor F2: ", "walk-03.txt:1: not an indoor-location", "1 of 2 floors could not be evaluated"],
+        &["floor F2: ", "walk-03.txt:1: of no known format", "1 of 2 floors could not be evaluated"],
     );
     let json = String::from_utf8(fieldwalk(&arguments).stdout).unwrap();
     assert_eq!(json.lines().filter(|line| line.contains("\"F1\"")).count(), 2);
@@ -242,6 +242,16 @@ fn wrong_arguments_exit_with_2() {
     fail(&["evaluate", "F1", "--seeds", "5..1"], 2, &["--seeds", "is empty"]);
     fail(&["evaluate", "F1", "--start", "warm"], 2, &["--start", "known:2"]);
     fail(&["evaluate", "F1", "--layout", "uji"], 2, &["--dataset", "ilc"]);
+    for (arguments, said) in [
+        (&["--lengths", "--report", "r.html"][..], "--report is of use only where whole systems are scored"),
+        (&["--dataset", "oxford-steps", "--systems", "fused"], "--systems is of use only"),
+        (&["--dataset", "oxford-steps", "--recipe", "mine.json"], "--recipe is of use only"),
+        (&["--dataset", "ble-annotated", "--plots", "p"], "--plots is of use only where --dataset oxford"),
+        (&["--dataset", "tyrex", "--lengths"], "--lengths is of use only where floors"),
+        (&["--table", "t.json"], "--table is of use only where --dataset tyrex"),
+    ] {
+        fail(&[&["evaluate", "F1"], arguments].concat(), 2, &[said]);
+    }
     fail(&["evaluate", "/nonexistent/F1"], 1, &["/nonexistent/F1: cannot open", "check the path"]);
 }
 

@@ -39,6 +39,8 @@ pub struct FloorScores {
     pub without_waypoints: Vec<PathBuf>,
     /// The walks, of survey or test, that say they were taken on another floor, and its name; they are left out.
     pub of_other_floors: Vec<(PathBuf, String)>,
+    /// Whether a folder says which walks test; folds do otherwise.
+    pub has_test_folder: bool,
 }
 
 /// A test walk with its scores.
@@ -83,7 +85,8 @@ impl Evaluation {
             .into_par_iter()
             .map(|split| self.score_split(floor, split, &survey, &tick))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut scores = FloorScores::default();
+        let has_test_folder = floor.test_traces.is_some();
+        let mut scores = FloorScores { has_test_folder, ..FloorScores::default() };
         for fold in folds {
             scores.walks.extend(fold.walks);
             scores.without_waypoints.extend(fold.without_waypoints);
