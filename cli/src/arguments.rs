@@ -57,7 +57,8 @@ pub enum Command {
 /// Survey a simulated office and position walks in it: needs no recording.
 ///
 /// The office of 60 × 40 m has steel, transmitters, walkers and phones by chance. Its map is built from simulated survey
-/// walks; then every system is scored on other walks, by other walkers with other phones, whose start is known to ± 2 m.
+/// walks; then `dead-reckoning`, `mass-centered` and `fused` are scored on other walks, by other walkers with other phones,
+/// whose start is known to ± 2 m.
 /// Scored are the fixes once a second from the fifth on, against the simulator's truth.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -119,7 +120,8 @@ Examples:
       # a map that has not seen the walks of fold 0: replay those on it
 
 Layouts:
-  recordings   plan.geojson, a GeoJSON plan; and logs with waypoints in survey/
+  recordings   plan.geojson, a GeoJSON plan, in degrees or in metres from the
+               outline's lowest corner, 0, 0; and logs with waypoints in survey/
                (or, where there is none, beside the plan): *.mcap, *.txt, *.json,
                folders of Sensor Logger. Logs in test/ are left for `evaluate` and
                `replay`. A floor is called as its folder; if that is no floor's name,
@@ -409,7 +411,7 @@ columns (forward, backward, leftward, rightward) that sum to 1; prior, of the fo
 
 See `fieldwalk --help` for the exit codes.")]
 pub struct TrainAttitudeArguments {
-    /// Recordings of any format, or folders of the Tyrex benchmark, of which the trials of texting are taken.
+    /// Recordings of any format, exports of Sensor Logger too, or folders of the Tyrex benchmark, of which the trials of texting are taken.
     #[arg(value_name = "RECORDING|DIR", required = true)]
     pub recordings: Vec<PathBuf>,
 

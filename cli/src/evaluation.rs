@@ -9,7 +9,7 @@ mod walk;
 pub use floor::{Evaluation, FloorScores, ScoredWalk};
 pub use row::{PointKind, Row, RowGroup};
 pub use start::Start;
-pub use walk::{TestWalk, TruthPoint, WalkScore, fixes, record, score, truth_points};
+pub use walk::{ReadTest, TestWalk, TruthPoint, WalkScore, fixes, record, score, truth_points};
 
 use std::path::Path;
 

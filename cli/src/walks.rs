@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use fieldwalk::floor_plan::Georeference;
 use fieldwalk::survey::{SurveyWalk, Waypoint};
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::LineRejections;
+use fieldwalk_formats::ilc::{LineRejections, floor_ordinal};
 use fieldwalk_formats::recording::{InOrder, Losses, Record, RecordSource, open_recording_on};
 
 /// A walk, condensed, and what its file had that is no record.
@@ -64,6 +64,13 @@ impl ReadWalk {
             losses: source.losses(),
             lines: source.line_rejections().cloned().unwrap_or_default(),
         })
+    }
+
+    /// The floor that the log says it was taken on, where that is another than the one called `floor`.
+    ///
+    /// Floors of a building share one frame, so its places would look plausible and be wrong.
+    pub fn other_floor(&self, floor: &str) -> Option<&str> {
+        self.floor_name.as_deref().filter(|name| floor_ordinal(name) != floor_ordinal(floor))
     }
 }
 

@@ -179,11 +179,39 @@ fn a_floor_that_fails_does_not_sink_the_others() {
     fail(
         &arguments,
         1,
-        &["floor F2: ", "walk-03.txt:1: not an indoor-location", "1 of 2 floors could not be evaluated"],
+        &["floor F2: ", "walk-03.txt:1: of no known format", "1 of 2 floors could not be evaluated"],
     );
     let json = String::from_utf8(fieldwalk(&arguments).stdout).unwrap();
     assert_eq!(json.lines().filter(|line| line.contains("\"F1\"")).count(), 2);
     assert!(!json.contains("\"F2\""));
+}
+
+#[test]
+fn walks_of_another_floor_neither_survey_nor_test() {
+    let site = folder("evaluate_other_floor");
+    let floor = write_floor(&site, "F1", 8);
+    let arguments = ["evaluate", text(&floor), "--seeds", "1", "--systems", "dead-reckoning", "--json"];
+    // Walk 1 surveys, walk 5 tests; both floors' frames are one, so nothing else tells.
+    fs::remove_file(trace(&floor, 1)).unwrap();
+    let without_walk = fieldwalk(&arguments);
+    for k in [1, 5] {
+        fs::write(trace(&floor, k), format!("#\tFloorName:F3\n{}", walk(k))).unwrap();
+    }
+    let output = fieldwalk(&arguments);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    for said in [
+        "walk-01.txt: left out, as it was recorded on another floor, F3",
+        "walk-05.txt: left out",
+        "floor F1: 2 walks of other floors",
+    ] {
+        assert!(output.status.success() && errors.contains(said), "`{said}` is missing: {errors}");
+    }
+    let row = |stdout: Vec<u8>| {
+        let json = String::from_utf8(stdout).unwrap();
+        timeless(serde_json::from_str(json.lines().next().unwrap()).unwrap())
+    };
+    let (row, without_walk) = (row(output.stdout), row(without_walk.stdout));
+    assert_eq!((&row["n_walks"], &without_walk["n_walks"]), (&1.into(), &2.into()));
 }
 
 #[test]
@@ -214,6 +242,16 @@ fn wrong_arguments_exit_with_2() {
     fail(&["evaluate", "F1", "--seeds", "5..1"], 2, &["--seeds", "is empty"]);
     fail(&["evaluate", "F1", "--start", "warm"], 2, &["--start", "known:2"]);
     fail(&["evaluate", "F1", "--layout", "uji"], 2, &["--dataset", "ilc"]);
+    for (arguments, said) in [
+        (&["--lengths", "--report", "r.html"][..], "--report is of use only where whole systems are scored"),
+        (&["--dataset", "oxford-steps", "--systems", "fused"], "--systems is of use only"),
+        (&["--dataset", "oxford-steps", "--recipe", "mine.json"], "--recipe is of use only"),
+        (&["--dataset", "ble-annotated", "--plots", "p"], "--plots is of use only where --dataset oxford"),
+        (&["--dataset", "tyrex", "--lengths"], "--lengths is of use only where floors"),
+        (&["--table", "t.json"], "--table is of use only where --dataset tyrex"),
+    ] {
+        fail(&[&["evaluate", "F1"], arguments].concat(), 2, &[said]);
+    }
     fail(&["evaluate", "/nonexistent/F1"], 1, &["/nonexistent/F1: cannot open", "check the path"]);
 }
 

@@ -120,8 +120,9 @@ fn an_import_that_fails_leaves_no_file_and_never_replaces_its_log() {
     let (foreign, good, out) = (dir.join("notes.txt"), dir.join("walk.txt"), dir.join("out"));
     fs::write(&foreign, "notes\n".repeat(1_000)).unwrap();
     fs::write(&good, walk(1)).unwrap();
-    let said = ["notes.txt:1: not an", "1 of 2 logs"];
-    fail(&["import", text(&foreign), text(&good), "--out", text(&out)], 1, &said);
+    let said = ["notes.txt:1: of no known format", "none.txt: cannot open", "2 of 3 logs"];
+    let none = dir.join("none.txt");
+    fail(&["import", text(&none), text(&foreign), text(&good), "--out", text(&out)], 1, &said);
     let files: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(files, ["walk.mcap"]);
     let imported = out.join("walk.mcap");
@@ -132,6 +133,30 @@ fn an_import_that_fails_leaves_no_file_and_never_replaces_its_log() {
         2,
         &["names one recording"],
     );
+}
+
+#[test]
+fn an_empty_folder_of_tests_is_named_and_folds_are_not_advised() {
+    let floor = write_recordings(&folder("recordings_no_tests"));
+    fs::remove_dir_all(floor.join("test")).unwrap();
+    fs::create_dir(floor.join("test")).unwrap();
+    let said = ["no test walk with two waypoints in test/ (put walks into its folder test/"];
+    fail(&["evaluate", text(&floor), "--seeds", "1", "--systems", "wila"], 1, &said);
+}
+
+#[test]
+fn floors_by_names_that_are_none_are_to_be_renamed() {
+    let dir = folder("recordings_named");
+    let house = write_recordings(&dir);
+    let floors = ["Erdgeschoss", "Obergeschoss"].map(|name| dir.join("site").join(name));
+    for floor in &floors {
+        fs::create_dir_all(floor).unwrap();
+        fs::copy(house.join("plan.geojson"), floor.join("plan.geojson")).unwrap();
+        fs::copy(house.join("survey/walk-01.mcap"), floor.join("walk-01.mcap")).unwrap();
+    }
+    let map = dir.join("map");
+    let said = ["another floor is called F1 as well", "call the folders of one building's floors F1, F2"];
+    fail(&["survey", text(&dir.join("site")), "--out", text(&map)], 1, &said);
 }
 
 #[test]
@@ -150,7 +175,7 @@ fn what_a_recording_lost_is_said() {
     for said in [
         "F1: 1 recordings cut short",
         "walk-02.mcap: recorded on floor F2, where F1 is surveyed",
-        "notes.txt: line 1: not an indoor-location-competition trace",
+        "notes.txt: line 1: of no known format",
     ] {
         assert!(table.contains(said), "`{said}` is missing: {table}");
     }
@@ -190,7 +215,11 @@ fn waypoints_in_degrees_need_a_georeferenced_plan() {
     let said = ["walk.log: its waypoints are in degrees", "georeference"];
     fail(&["replay", text(&map), text(&walk)], 1, &said);
     let imported = dir.join("walk.mcap");
-    fail(&["import", text(&walk), "--out", text(&imported)], 1, &said);
+    fail(
+        &["import", text(&walk), "--out", text(&imported)],
+        1,
+        &["walk.log: its waypoints are in degrees", "--plan"],
+    );
     assert!(!imported.exists());
 
     let georeferenced = PLAN.replacen(

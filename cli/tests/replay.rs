@@ -180,7 +180,7 @@ fn a_foreign_recording_fails_and_the_others_are_replayed() {
     let arguments =
         ["replay", text(&map), text(&foreign), text(&missing), text(&walk), "--floor", "F1", "--bits"];
     let said = [
-        "notes.txt:1: not an indoor-location-competition trace",
+        "notes.txt:1: of no known format",
         "missing.txt: cannot open the recording",
         "check the path",
         "2 of 3 recordings",

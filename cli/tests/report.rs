@@ -191,5 +191,11 @@ fn what_cannot_be_reported_is_named() {
         1,
         &["folder: cannot write the report"],
     );
+    // Before any walk is scored: the floor's bad walk is not even read.
+    let site = floor.parent().unwrap();
+    fs::write(trace(&floor, 3), "not a trace\n").unwrap();
+    let output = synthetic::fieldwalk(&["evaluate", text(site), "--report", text(&folder)]);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert!(errors.contains("folder: cannot write the report") && !errors.contains("walk-03"), "{errors}");
     fail(&["evaluate", "F1", "--walks", "3"], 2, &["--report"]);
 }

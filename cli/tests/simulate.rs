@@ -91,6 +91,46 @@ fn the_same_seed_gives_the_same_bytes() {
     assert!(records.iter().filter(|record| matches!(record, Record::Waypoint { .. })).count() > 2);
 }
 
+/// Runs a command line that the program proposed, with `more` arguments, as a shell would.
+#[cfg(unix)]
+fn proposed(line: &str, more: &str) -> String {
+    let program = env!("CARGO_BIN_EXE_fieldwalk");
+    let line = format!("{} {more}", line.trim().replacen("fieldwalk", program, 1));
+    let output = std::process::Command::new("sh").args(["-c", &line]).output().unwrap();
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_proposed_next_works_for_floors_cards_and_folders_with_spaces() {
+    let dir = folder("simulate_next");
+    for (scenario, more) in
+        [("two-floors", &["--walks", "2"][..]), ("card-office", &["--walks", "1", "--card"])]
+    {
+        let out = dir.join(format!("a {scenario}"));
+        let arguments = ["simulate", scenario, "--out", text(&out), "--length", "20", "--seed", "2"];
+        let said = succeed(&[&arguments[..], more].concat());
+        let [_, survey, replay] = said.lines().collect::<Vec<_>>()[..] else { panic!("{said}") };
+        proposed(survey, "--coverage");
+        let table = proposed(replay, "");
+        let is_positioned = |line: &str| {
+            let median_m = line.split_once("median ").and_then(|(_, rest)| rest.split_once(" m"));
+            median_m.is_some_and(|(median_m, _)| median_m.parse::<f64>().unwrap() < 4.0)
+        };
+        assert!(table.contains("start given") && table.lines().any(is_positioned), "{table}");
+    }
+    // What a phone's system makes of a card's frames is nothing, and it says so.
+    let (map, walk) = (dir.join("a card-office.map"), dir.join("a card-office/test/test-01.mcap"));
+    let output = synthetic::fieldwalk(&["replay", text(&map), text(&walk)]);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && errors.contains("give --system card"), "{errors}");
+    // Without walks there is nothing to replay.
+    let out = dir.join("none");
+    let said = succeed(&["simulate", "office", "--out", text(&out), "--walks", "0"]);
+    assert!(said.contains("fieldwalk survey") && !said.contains("replay"), "{said}");
+}
+
 #[test]
 fn two_floors_are_two_folders_and_the_test_walks_climb() {
     let dir = folder("simulate_floors");

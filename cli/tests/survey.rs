@@ -78,7 +78,7 @@ fn a_walk_that_cannot_be_used_is_listed_and_the_others_are_mapped() {
 
     let table = succeed(&["survey", text(&floor), "--out", text(&map), "--coverage"]);
     for said in [
-        "walk-01.txt: line 1: not an indoor-location-competition trace",
+        "walk-01.txt: line 1: of no known format",
         "walk-02.txt: 0 waypoints, where two are needed",
         "walk-03.txt: no steps between its waypoints",
         "2 lines not understood, the first: ",
@@ -93,6 +93,38 @@ fn a_walk_that_cannot_be_used_is_listed_and_the_others_are_mapped() {
     assert_eq!(report["n_lines_rejected"], 2);
 }
 
+/// `walk` with the first `n` of its waypoints 500 m to the east.
+fn moved(walk: &str, n: usize) -> String {
+    let mut n_seen = 0;
+    let line = |line: &str| {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let [ms, "TYPE_WAYPOINT", x, y] = fields[..] else { return format!("{line}\n") };
+        n_seen += 1;
+        let x_m: f64 = x.parse().unwrap();
+        format!("{ms}\tTYPE_WAYPOINT\t{}\t{y}\n", if n_seen <= n { x_m + 500.0 } else { x_m })
+    };
+    walk.lines().map(line).collect()
+}
+
+#[test]
+fn what_lies_beside_the_plan_is_refused_or_counted() {
+    let site = folder("survey_off_plan");
+    let floor = write_floor(&site, "F1", 4);
+    let map = site.join("map");
+    fs::write(trace(&floor, 1), moved(&walk(1), 100)).unwrap();
+    fs::write(trace(&floor, 2), moved(&walk(2), 2)).unwrap();
+    let arguments = ["survey", text(&floor), "--out", text(&map), "--coverage"];
+    let table = succeed(&arguments);
+    for said in [
+        "F1: 2 waypoints beside the plan",
+        "walk-01.txt: no waypoint on the plan, the first at 517.0, 3.0, where the plan has 20.0 m x 20.0 m",
+    ] {
+        assert!(table.contains(said), "`{said}` is missing: {table}");
+    }
+    let report: Value = serde_json::from_str(&succeed(&[&arguments[..], &["--json"]].concat())).unwrap();
+    assert_eq!((&report["n_walks"], &report["n_waypoints_off_plan"]), (&3.into(), &2.into()));
+}
+
 #[test]
 fn a_survey_without_usable_walks_says_so_and_writes_nothing() {
     let site = folder("survey_empty");
@@ -105,8 +137,7 @@ fn a_survey_without_usable_walks_says_so_and_writes_nothing() {
     );
     let foreign = write_floor(&site, "F2", 1);
     fs::write(trace(&foreign, 0), "name,value\n1,2\n").unwrap();
-    let said =
-        ["F2: none of 1 walks can be used (tap a waypoint", "walk-00.txt: line 1: not an indoor-location"];
+    let said = ["F2: none of 1 walks can be used (tap a waypoint", "walk-00.txt: line 1: of no known format"];
     fail(&["survey", text(&foreign), "--out", text(&map)], 1, &said);
     let tested = write_floor(&site, "F3", 1);
     fail(

@@ -138,3 +138,28 @@ fn a_table_from_a_file_is_one_more_system() {
     fs::remove_file(&file).unwrap();
     fail(&with_table, 1, &["table.json: cannot open the table"]);
 }
+
+#[test]
+fn a_folder_may_be_an_export_of_sensor_logger() {
+    let dir = folder("train_export");
+    let export = dir.join("2026-10-03_17-02-05");
+    fs::create_dir_all(&export).unwrap();
+    fs::write(
+        export.join("Metadata.csv"),
+        "version,device name,recording epoch time,platform,standardisation\n3,Pixel 8,1698501144400,android,false\n",
+    )
+    .unwrap();
+    let mut rows = String::from("time,seconds_elapsed,z,y,x\n");
+    for (t, [x, y, z]) in held_level(60, true) {
+        writeln!(rows, "{},{t:.3},{z:.4},{y:.4},{x:.4}", 1_698_501_144_400_000_000 + (1e9 * t) as i64)
+            .unwrap();
+    }
+    fs::write(export.join("TotalAcceleration.csv"), &rows).unwrap();
+    let rates = rows.lines().map(|row| match row.split(',').collect::<Vec<_>>()[..] {
+        [time, seconds, ..] if time != "time" => format!("{time},{seconds},0,0,0\n"),
+        _ => format!("{row}\n"),
+    });
+    fs::write(export.join("Gyroscope.csv"), rates.collect::<String>()).unwrap();
+    let table: Value = serde_json::from_str(&succeed(&["train", "attitude", text(&export)])).unwrap();
+    assert_eq!(table["likelihood"].as_array().unwrap().len(), 8);
+}

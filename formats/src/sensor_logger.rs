@@ -1,7 +1,8 @@
 //! Exports of Sensor Logger, the app by Kelvin Choi for Android and iOS: a folder of CSV files, or one JSON file.
 //!
 //! `TotalAcceleration`, or `Accelerometer` and `Gravity`, or `AccelerometerUncalibrated`, whichever comes first, become
-//! the specific force; `Gyroscope`, `Magnetometer`, `Barometer`, `Bluetooth` and `WiFi` become samples. An `Annotation` whose text is a place, such as `12.5, 40` (metres in the floor frame), is a waypoint.
+//! the specific force; `Gyroscope`, `Magnetometer`, `Barometer`, `Bluetooth` and `WiFi` become samples. An `Annotation` whose
+//! text is a place, such as `12.5, 40` (metres in the floor frame), is a waypoint; another with a digit counts as rejected.
 //! The app's other sensors carry nothing for positioning.
 //!
 //! * **Units and signs.** `Accelerometer` (which has gravity removed), `Gravity` and `TotalAcceleration` are in m/s². iOS
@@ -140,7 +141,7 @@ impl RecordSource for SensorLoggerReader {
 }
 
 /// Whether the folder `dir` is an export: it has the app's metadata, or one of its sensors' files.
-pub(crate) fn is_export(dir: &Path) -> bool {
+pub fn is_export(dir: &Path) -> bool {
     dir.join(METADATA_FILE).is_file()
         || entry::Sensor::ALL.into_iter().any(|sensor| dir.join(format!("{}.csv", sensor.name())).is_file())
 }

@@ -6,7 +6,7 @@ use fieldwalk::floor_plan::Georeference;
 use fieldwalk::sensor::{Reading, TransmitterId};
 use fieldwalk_formats::get_sensor_data::GetSensorDataReader;
 use fieldwalk_formats::ilc::{LineFault, LineRejections};
-use fieldwalk_formats::{FormatError, Record};
+use fieldwalk_formats::{FormatError, Record, open_recording};
 use proptest::prelude::*;
 use text_log::{radio, read_all, sample};
 
@@ -136,4 +136,27 @@ proptest! {
         bytes[at] = byte;
         prop_assert!(read(&bytes).0.len() <= 10);
     }
+}
+
+#[test]
+fn a_byte_order_mark_hides_no_text_and_what_is_no_log_is_told_what_would_be() {
+    let dir = std::env::temp_dir().join(format!("fieldwalk-marks-{}", std::process::id()));
+    std::fs::create_dir_all(&dir).unwrap();
+    let file = dir.join("log.txt");
+    let open = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        open_recording(&file).and_then(|mut log| log.next().transpose())
+    };
+    let log = "% LogFile\nACCE;0.5;0.5;0.0;0.0;9.8;3\n";
+    let trace = "1574559495263\tTYPE_WAYPOINT\t81.5\t93.25\n";
+    for text in [log, trace] {
+        let plain = open(text).unwrap();
+        assert!(plain.is_some());
+        assert_eq!(open(&format!("\u{feff}{text}")).unwrap(), plain);
+    }
+    let error = open("name,value\n1,2\n").unwrap_err();
+    assert!(error.message().starts_with("of no known format") && error.remedy().contains("MCAP"), "{error}");
+    let error = open("time,seconds_elapsed,z,y,x\n1,2,3,4,5\n").unwrap_err();
+    assert!(error.message().contains("Sensor Logger") && error.remedy() == "give its folder", "{error}");
+    std::fs::remove_dir_all(dir).unwrap();
 }

@@ -131,6 +131,14 @@ fn unfit_plans_are_refused_with_a_remedy() {
         (collection(metres, flat, ""), "extent"),
         (collection("", "[[0, 0], [400, 0], [400, 100], [0, 0]]", ""), "out of range"),
         (collection(r#", "fieldwalk": {"frame": "feet"}"#, SQUARE, ""), "fieldwalk"),
+        (
+            collection(metres, "[[-10, -5], [10, -5], [10, 5], [-10, 5], [-10, -5]]", ""),
+            "outside the floor frame",
+        ),
+        (
+            collection(r#", "fieldwalk": {"frame": "metres", "width_m": 20, "height_m": 6}"#, SQUARE, ""),
+            "over the stated",
+        ),
         (collection(r#", "fieldwalk": {"width_m": -1, "height_m": 2}"#, SQUARE, ""), "extent"),
     ];
     for (text, message) in cases {
@@ -145,13 +153,13 @@ fn point() -> impl Strategy<Value = Point2> {
     (-1e3..1e3, -1e3..1e3).prop_map(|(x, y)| Point2::new(x, y))
 }
 
-fn polygon() -> impl Strategy<Value = Polygon> {
-    let ring = proptest::collection::vec(point(), 3..7);
+fn polygon(point: impl Strategy<Value = Point2>) -> impl Strategy<Value = Polygon> {
+    let ring = proptest::collection::vec(point, 3..7);
     proptest::collection::vec(ring, 1..3).prop_map(|rings| Polygon { rings })
 }
 
 fn plan() -> impl Strategy<Value = FloorPlan> {
-    let unit = (".{0,8}", any::<bool>(), polygon()).prop_map(|(name, walkable, polygon)| Unit {
+    let unit = (".{0,8}", any::<bool>(), polygon(point())).prop_map(|(name, walkable, polygon)| Unit {
         name,
         walkable,
         polygon,
@@ -166,8 +174,9 @@ fn plan() -> impl Strategy<Value = FloorPlan> {
             }
         });
     (
-        (1.0..1e3, 1.0..1e3),
-        proptest::collection::vec(polygon(), 1..3),
+        // No outline stands out of its floor.
+        (1e3..2e3, 1e3..2e3),
+        proptest::collection::vec(polygon((0.0..1e3, 0.0..1e3).prop_map(|(x, y)| Point2::new(x, y))), 1..3),
         proptest::collection::vec(unit, 0..3),
         proptest::collection::vec((point(), point()).prop_map(|(a, b)| Segment { a, b }), 0..3),
         proptest::collection::vec(proptest::collection::vec(point(), 2..5), 0..3),

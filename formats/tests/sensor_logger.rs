@@ -80,9 +80,12 @@ fn a_folder_is_merged_by_time() {
         T0 + 50
     );
     let annotation = format!(
-        "time,seconds_elapsed,text,millisecond_press_duration\n{},1,door,80\n{},1,\"12.5, -40\",80\n",
+        "time,seconds_elapsed,text,millisecond_press_duration\n{},1,door,80\n{},1,\"12.5, -40\",80\n\
+         {},1,12.5 40,80\n{},1,\"1250000, 40\",80\n",
         T0 + 60,
-        T0 + 61
+        T0 + 61,
+        T0 + 62,
+        T0 + 63
     );
     let reader = folder(&[
         ("Metadata", ANDROID),
@@ -116,9 +119,10 @@ fn a_folder_is_merged_by_time() {
         Record::Waypoint { time: Timestamp::from_nanos(T0 + 61), point: Point2::new(12.5, -40.0) },
     ];
     assert_eq!(records, expected);
-    // A field of zero, and a sighting without its strength.
-    assert_eq!((rejections.total(), rejections.count(LineFault::OutOfRange)), (2, 1));
-    assert_eq!(rejections.count(LineFault::FieldCount), 1);
+    // A field of zero and a place out of the world; a sighting without its strength; a place without its comma. That
+    // `door` is none is no fault.
+    assert_eq!((rejections.total(), rejections.count(LineFault::OutOfRange)), (4, 2));
+    assert_eq!((rejections.count(LineFault::FieldCount), rejections.count(LineFault::Number)), (1, 1));
 }
 
 #[test]

@@ -125,15 +125,18 @@ impl Scenario {
     /// beside it, and the lanes of open rooms, in both directions, by two surveyors with a phone each.
     pub fn survey_walks(&self) -> Vec<Walk> {
         let mut walks = Vec::new();
-        for floor in self.floors() {
-            for line in survey_lines(floor.building) {
-                let k = walks.len() as u64;
+        let lines = self.floors().flat_map(|floor| {
+            survey_lines(floor.building).into_iter().map(move |line| (floor.height_m, line))
+        });
+        for (k, (height_m, line)) in (0..).zip(lines) {
+            // Where no corridor runs one way there is no line to walk. It keeps its number, which seeds the others.
+            if line.len() > 1 {
                 let surveyor = Noise::new(self.seed, "surveyor", k % 2).bits();
                 let seed = Noise::new(self.seed, "survey walk", k).bits();
                 walks.push(Walk {
                     walker: WalkerProfile::drawn(surveyor),
                     device: surveyor,
-                    heights_m: vec![floor.height_m],
+                    heights_m: vec![height_m],
                     ..Walk::along(format!("survey-{:02}", k + 1), line, seed)
                 });
             }

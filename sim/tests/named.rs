@@ -35,6 +35,7 @@ fn every_scenario_is_surveyed_and_walked_clear_of_walls() {
         println!("{name}: {} survey walks, {surveyed_m:.0} m", surveys.len());
         assert!(surveys.len() >= 4 && tests.len() == 6, "{name}");
         for walk in surveys.iter().chain(&tests) {
+            assert!(length_m(walk) > 1.0, "{name}: nothing is walked in {}", walk.name);
             assert!(is_clear(&scenario, walk), "{name}, {}: {:?}", walk.name, walk.path);
         }
         assert!(tests.iter().all(|walk| length_m(walk) >= 50.0), "{name}");

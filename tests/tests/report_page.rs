@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use fieldwalk::system::Recipe;
 use fieldwalk_tests::browser::{Browser, Screen};
 use serde_json::Value;
 
@@ -92,6 +93,71 @@ fn a_report_is_played_switched_and_read() {
     let mut reader = Reader(browser);
     on_a_desk(&mut reader, &file);
     on_a_phone(&mut reader, &file);
+    many_systems_on_a_desk(&mut reader, &of_many_systems(&file));
+}
+
+/// The page in `file` with as many systems as there are, two kinds of points, and the demo's figures for all of them.
+fn of_many_systems(file: &Path) -> PathBuf {
+    let html = fs::read_to_string(file).unwrap();
+    let (before, rest) = html.split_once("id=\"figures\">").unwrap();
+    let (figures, after) = rest.split_once("</script>").unwrap();
+    let mut figures: Value = serde_json::from_str(figures).unwrap();
+    let n_systems = Recipe::NAMES.len();
+    let repeated = |list: &Value| {
+        (0..n_systems).map(|k| list[k % list.as_array().unwrap().len()].clone()).collect::<Value>()
+    };
+    figures["systems"] = serde_json::json!(Recipe::NAMES);
+    figures["primary"] = (n_systems - 1).into();
+    for walk in figures["walks"].as_array_mut().unwrap() {
+        for of_systems in ["tracks", "errors"] {
+            walk[of_systems] = repeated(&walk[of_systems]);
+        }
+    }
+    let named = |list: Value, key: &str, points: &str| {
+        let mut list = list;
+        for (object, name) in list.as_array_mut().unwrap().iter_mut().zip(Recipe::NAMES) {
+            object[key] = name.into();
+            object["points"] = points.into();
+        }
+        list
+    };
+    figures["curves"] = named(repeated(&figures["curves"]), "system", "waypoint");
+    // As an evaluation writes them: system by system, kind by kind.
+    let of_kind = |points: &str| named(repeated(&figures["rows"]), "system", points);
+    let [waypoints, cut_offs] = [of_kind("waypoint"), of_kind("cut_off")];
+    let rows = (0..n_systems).flat_map(|k| [cut_offs[k].clone(), waypoints[k].clone()]);
+    figures["rows"] = rows.collect();
+    let many = file.with_file_name("many-systems.html");
+    let figures = figures.to_string().replace('<', "\\u003c");
+    fs::write(&many, format!("{before}id=\"figures\">{figures}</script>{after}")).unwrap();
+    many
+}
+
+fn many_systems_on_a_desk(reader: &mut Reader, file: &Path) {
+    reader.0.open(file, DESKTOP).unwrap();
+    let n_systems = Recipe::NAMES.len();
+    // Waypoints come before cut-offs, and both have a name.
+    let kinds = reader.value(
+        "[...document.querySelectorAll('#rows tbody tr')].map((row) => row.querySelector('.text').textContent)",
+    );
+    let expected: Vec<&str> = [["waypoints"].repeat(n_systems), ["cut-offs"].repeat(n_systems)].concat();
+    assert_eq!(kinds, serde_json::json!(expected));
+    // No two lines are of one colour and the same dashes.
+    let looks = reader.value(
+        "[...document.querySelectorAll('.system .swatch path')].map((path) => \
+         getComputedStyle(path).stroke + ' ' + path.getAttribute('stroke-dasharray'))",
+    );
+    let mut looks: Vec<String> = serde_json::from_value(looks).unwrap();
+    looks.sort_unstable();
+    looks.dedup();
+    assert_eq!(looks.len(), n_systems, "{looks:?}");
+    // A key is named where there is one.
+    let keys = reader.value("[...document.querySelectorAll('.system kbd')].map((key) => key.textContent)");
+    assert_eq!(keys, serde_json::json!(["1", "2", "3", "4", "5", "6", "7", "8", "9"]));
+    reader.0.press("End").unwrap();
+    reader.0.frame().unwrap();
+    reader.0.screenshot(&folder().join("many-systems.png")).unwrap();
+    reader.has_no_complaint();
 }
 
 fn on_a_desk(reader: &mut Reader, file: &Path) {

@@ -4,7 +4,7 @@ use crate::stages::STAGES;
 
 pub const USAGE: &str = "\
 cargo xtask test [--quick] [--only STAGE]… [--seconds N]   every check, or the stages named
-cargo xtask fuzz [--seconds N]                             every fuzz target, N seconds each (60)
+cargo xtask fuzz [--seconds N]                             every fuzz target, N seconds each (20)
 cargo xtask tidy                                           documents, equation list, files, manifests
 cargo xtask aarch64                                        the same bits on arm64, under qemu
 cargo xtask bindings                                       the library for other languages, their sources

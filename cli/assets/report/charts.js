@@ -99,7 +99,7 @@ function drawTimeAxis(context, duration, x, bottom) {
   });
 }
 
-function drawErrorLine(context, walk, { index, slot }, x, y, bottom) {
+function drawErrorLine(context, walk, { index, dash }, x, y, bottom) {
   const track = walk.tracks[index];
   const colour = theme.systems[index];
   if (index === report.primary && track.error.some(Number.isFinite)) {
@@ -126,7 +126,7 @@ function drawErrorLine(context, walk, { index, slot }, x, y, bottom) {
   context.strokeStyle = colour;
   context.lineWidth = 1.8;
   context.lineJoin = "round";
-  context.setLineDash(DASHES[slot]);
+  context.setLineDash(dash);
   context.stroke();
   context.setLineDash([]);
   context.fillStyle = colour;
@@ -231,7 +231,7 @@ function drawCurves(state) {
     });
     context.strokeStyle = theme.systems[system.index];
     context.lineWidth = 2.2;
-    context.setLineDash(DASHES[system.slot]);
+    context.setLineDash(system.dash);
     context.stroke();
     context.setLineDash([]);
   }

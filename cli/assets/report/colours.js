@@ -20,8 +20,6 @@ function scaleColour(scale, share) {
 
 const scaleOf = (layer) => (layer.is_signed ? SIGNED : SEQUENTIAL);
 
-const DASHES = [[], [9, 4], [2, 4], [10, 3, 2, 3], [5, 3], [1, 3]];
-
 let theme = {};
 
 /** Reads the theme's colours from the style sheet, after it has changed. */

@@ -38,14 +38,14 @@ const element = (name, attributes = {}, ...children) => {
 const byId = (id) => document.getElementById(id);
 
 /** A short line in a system's colour and dashes. */
-function swatch(slot) {
+function swatch({ slot, dash }) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
   svg.setAttribute("viewBox", "0 0 26 8");
   svg.setAttribute("class", `swatch slot-${slot}`);
   svg.setAttribute("aria-hidden", "true");
   path.setAttribute("d", "M1 4h24");
-  path.setAttribute("stroke-dasharray", DASHES[slot].map((n) => n * 0.8).join(" "));
+  path.setAttribute("stroke-dasharray", dash.map((n) => n * 0.8).join(" "));
   svg.append(path);
   return svg;
 }
@@ -75,16 +75,18 @@ function makeWalks(choose) {
 }
 
 function makeSystems(toggle) {
-  for (const { name, index, slot } of SYSTEMS) {
+  for (const system of SYSTEMS) {
+    const { name, index } = system;
     const box = element("input", { type: "checkbox", id: `system-${index}`, "data-system": index, checked: true });
     box.addEventListener("change", () => toggle(index, box.checked));
     const row = element(
       "label",
       { class: "system", for: `system-${index}` },
       box,
-      swatch(slot),
+      swatch(system),
       element("span", { class: "system-name" }, name),
-      element("kbd", { "aria-hidden": "true" }, String(index + 1)),
+      // No key is left for a tenth.
+      ...(index < 9 ? [element("kbd", { "aria-hidden": "true" }, String(index + 1))] : []),
       element("output", { class: "system-now", id: `now-${index}` }),
     );
     byId("systems").append(row);
@@ -128,9 +130,11 @@ function drawLegend(layer) {
   byId("legend-unit").textContent = layer.unit;
 }
 
-const POINTS = { waypoint: "at waypoints", midpoint: "midway between waypoints", truth: "once a second" };
+const POINTS = {
+  waypoint: "at waypoints", midpoint: "midway between waypoints", cut_off: "at cut-offs", truth: "once a second",
+};
 
-const SHORT_POINTS = { waypoint: "waypoints", midpoint: "midway", truth: "each second" };
+const SHORT_POINTS = { waypoint: "waypoints", midpoint: "midway", cut_off: "cut-offs", truth: "each second" };
 
 /** The table, floor by floor; systems stand side by side where they are scored at the same kind of point. */
 function makeRows() {
@@ -146,7 +150,7 @@ function makeRows() {
   const order = (row) => 10 * floors.indexOf(row.floor) + Object.keys(SHORT_POINTS).indexOf(row.points);
   const rows = [...report.rows].sort((a, b) => order(a) - order(b)).map((row) => {
     const system = SYSTEMS.find((candidate) => candidate.name === row.system);
-    const name = element("th", { scope: "row" }, ...(system ? [swatch(system.slot)] : []), row.system);
+    const name = element("th", { scope: "row" }, ...(system ? [swatch(system)] : []), row.system);
     const cells = [
       number(row.n_points, 0), number(row.median_m, 2), number(row.mean_m, 2), number(row.p80_m, 2), number(row.p90_m, 2),
       row.inside_68 === null ? "–" : `${(100 * row.inside_68).toFixed(0)} %`,

@@ -336,8 +336,8 @@ function drawMap(walk, floor, layer, state) {
   context.drawImage(ground.canvas, 0, 0, width, height);
   if (state.shows.truth) drawTruth(context, walk, state);
   const shown = SYSTEMS.filter((system) => state.systems[system.index]);
-  for (const { index, slot } of shown) {
-    drawLine(context, walk.tracks[index], theme.systems[index], state.time, state.shows.whole, DASHES[slot]);
+  for (const { index, dash } of shown) {
+    drawLine(context, walk.tracks[index], theme.systems[index], state.time, state.shows.whole, dash);
   }
   for (const { index } of shown) {
     const [track, colour] = [walk.tracks[index], theme.systems[index]];

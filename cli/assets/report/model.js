@@ -3,12 +3,15 @@
 const report = JSON.parse(document.getElementById("figures").textContent);
 
 const NO_LENGTH = 65535;
-const SYSTEMS = report.systems.map((name, index) => ({
-  name,
-  index,
+const DASHES = [[], [9, 4], [2, 4], [10, 3, 2, 3], [5, 3], [1, 3]];
+const N_COLOURS = 6;
+const SYSTEMS = report.systems.map((name, index) => {
   // The last system is the one that the report is about: it has the first colour.
-  slot: (report.systems.length - 1 - index) % 6,
-}));
+  const place = report.systems.length - 1 - index;
+  const slot = place % N_COLOURS;
+  // From the seventh on the colours come again, each with other dashes.
+  return { name, index, slot, dash: DASHES[(slot + Math.floor(place / N_COLOURS)) % DASHES.length] };
+});
 
 /** The numbers of a packed array; every machine that runs a browser is little-endian. */
 function unpack(text, Type) {

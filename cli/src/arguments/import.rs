@@ -37,6 +37,7 @@ pub struct ImportArguments {
     pub logs: Vec<PathBuf>,
 
     /// The recording, if its name ends in `.mcap`; otherwise a folder, made if need be, for recordings named as the logs.
+    /// A recording that is there is replaced.
     #[arg(long, value_name = "DIR|FILE.mcap")]
     pub out: PathBuf,
 

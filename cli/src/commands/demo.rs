@@ -21,6 +21,7 @@ use crate::arguments::DemoArguments;
 use crate::error_table::error_table;
 use crate::evaluation::{Row, RowGroup, Start, TestWalk, WalkScore, record, score};
 use crate::progress;
+use crate::quoted::quoted;
 use crate::report::{ErrorCurve, Report, Walk, page};
 use crate::simulated::{test_walk, write_recording};
 use crate::stop::Stop;
@@ -68,7 +69,7 @@ pub fn run(arguments: &DemoArguments, out: &mut impl Write) -> Result<(), Stop> 
         error_table(&rows.iter().collect::<Vec<_>>()).trim_fmt()
     )?;
     if let Some(recording) = recording {
-        let (map, recording) = (map_dir.display(), recording.display());
+        let (map, recording) = (quoted(&map_dir), quoted(&recording));
         writeln!(out, "To see the fixes of the first walk: fieldwalk replay {map} {recording}\n")?;
     }
     writeln!(

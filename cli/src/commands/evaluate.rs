@@ -1,5 +1,6 @@
 //! `fieldwalk evaluate`: systems compared on recordings with known places.
 
+mod options;
 mod played;
 mod recipe_file;
 mod table_file;
@@ -16,16 +17,17 @@ use crate::arguments::{Dataset, EvaluateArguments};
 use crate::error_table::error_table;
 use crate::evaluation::{Evaluation, FloorScores, PointKind, Row};
 use crate::floors::{Floor, FoundFloor, Layout, find_floors};
-use crate::progress;
 use crate::report::page;
 use crate::stop::{Stop, note};
 use crate::walker_evaluation;
+use crate::{probe, progress};
 
 /// The name under which all floors are pooled.
 const ALL: &str = "all";
 
 /// Scores what the data set is for and prints the rows.
 pub fn run(arguments: &EvaluateArguments, out: &mut impl Write) -> Result<(), Stop> {
+    options::check(arguments)?;
     match arguments.dataset {
         None if arguments.lengths => walker::run_segments(arguments, Layout::of(&arguments.dirs), out),
         Some(Dataset::Ilc) if arguments.lengths => walker::run_segments(arguments, Layout::Ilc, out),
@@ -58,6 +60,9 @@ fn score_systems(arguments: &EvaluateArguments, layout: Layout, out: &mut impl W
         survey: SurveyParams::default(),
     };
     let found = find_floors(&arguments.dirs, layout)?;
+    if let Some(file) = &arguments.page.report {
+        probe::writable(page::ACTION, file)?;
+    }
     let (scores, n_failed) = score_floors(&evaluation, &found, layout);
     let rows = all_rows(&evaluation, layout.name(), &scores);
     if arguments.json {
@@ -82,13 +87,21 @@ fn score_systems(arguments: &EvaluateArguments, layout: Layout, out: &mut impl W
     if rows.is_empty() {
         let dirs: Vec<_> = arguments.dirs.iter().map(|dir| dir.display().to_string()).collect();
         let folds: Vec<_> = evaluation.folds.iter().map(u8::to_string).collect();
-        return Err(Stop::Failed(format!(
-            "{}: no test walk with two waypoints in fold {} (give another --fold, --folds 4, or more walks)",
-            dirs.join(", "),
-            folds.join(", ")
-        )));
+        let has_test_folder = scores.iter().all(|(_, floor)| floor.has_test_folder);
+        let place = if has_test_folder { "test/".into() } else { format!("fold {}", folds.join(", ")) };
+        let remedy = remedy_of_none(has_test_folder);
+        let dirs = dirs.join(", ");
+        return Err(Stop::Failed(format!("{dirs}: no test walk with two waypoints in {place} ({remedy})")));
     }
     Ok(())
+}
+
+/// What to do about a floor without test walks.
+fn remedy_of_none(has_test_folder: bool) -> &'static str {
+    match has_test_folder {
+        true => "put walks into its folder test/, or remove that to test with folds",
+        false => "give another --fold, --folds 4, or more walks",
+    }
 }
 
 /// The systems asked for, each once, and those from files.
@@ -172,11 +185,17 @@ fn warn(label: &str, scores: &FloorScores) {
     for path in &scores.without_waypoints {
         note("warning", &format!("{}: no two waypoints, so nothing to score", path.display()));
     }
+    for (path, name) in &scores.of_other_floors {
+        let message = "left out, as it was recorded on another floor";
+        note("warning", &format!("{}: {message}, {name} (move it to that floor's folder)", path.display()));
+    }
+    if scores.of_other_floors.len() > 1 {
+        let n = scores.of_other_floors.len();
+        note("warning", &format!("floor {label}: {n} walks of other floors were left out"));
+    }
     if scores.n_walks() == 0 {
-        note(
-            "warning",
-            &format!("floor {label}: no test walk (give another --fold, --folds 4, or more walks)"),
-        );
+        let remedy = remedy_of_none(scores.has_test_folder);
+        note("warning", &format!("floor {label}: no test walk ({remedy})"));
     }
     if scores.n_starts_refused() > 0 {
         let n = scores.n_starts_refused();

@@ -15,7 +15,6 @@ use serde_json::{Map, Value, json};
 
 use crate::arguments::ImportArguments;
 use crate::stop::{Stop, note};
-use crate::walks::check_frame;
 
 /// What became of one log.
 #[derive(Debug)]
@@ -71,7 +70,8 @@ fn targets(arguments: &ImportArguments) -> Result<Vec<(PathBuf, PathBuf)>, Stop>
     fs::create_dir_all(dir).map_err(|error| FormatError::io("make the folder", dir, error))?;
     let mut targets: Vec<(PathBuf, PathBuf)> = Vec::new();
     for log in logs {
-        let name = log.canonicalize().map_err(|error| FormatError::io("open the log", log, error))?;
+        // One that is not there fails when its turn comes, and stops no other.
+        let name = log.canonicalize().unwrap_or_else(|_| log.clone());
         let stem = if name.is_dir() { name.file_name() } else { name.file_stem() };
         let mut file = stem.unwrap_or(OsStr::new("log")).to_owned();
         file.push(".mcap");
@@ -170,7 +170,13 @@ fn write(
     while let Some(record) = next {
         let record = record?;
         if matches!(record, Record::Waypoint { .. }) {
-            check_frame(&**records.source(), log)?;
+            if !records.source().is_in_floor_frame() {
+                return Err(FormatError::malformed(
+                    "its waypoints are in degrees, and no plan places them",
+                    "give the floor's plan, drawn in longitude and latitude, with --plan",
+                )
+                .at_path(log));
+            }
             n_waypoints += 1;
         }
         writer.write(&record)?;

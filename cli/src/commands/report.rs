@@ -15,11 +15,11 @@ use fieldwalk_formats::recording::{InOrder, Record, open_recording_on};
 use crate::arguments::{ReplayStart, ReportArguments};
 use crate::commands::replay::{check_floor, off_plan, open_floor};
 use crate::evaluation::{RowGroup, TruthPoint, WalkScore, truth_points};
-use crate::progress;
 use crate::report::{ErrorCurve, Report, Truth, Walk, WalkRecorder, page};
 use crate::simulated::read_truth;
 use crate::stop::{Stop, note};
 use crate::walks::ReadWalk;
+use crate::{probe, progress};
 
 /// Where the truth is known at all times, it is scored once a second from this one on, as the demo does.
 const FIRST_SCORED_S: i64 = 5;
@@ -34,6 +34,7 @@ pub fn run(arguments: &ReportArguments, out: &mut impl Write) -> Result<(), Stop
         recipes: Recipe::NAMES.into_iter().filter(|name| is_asked(name)).filter_map(Recipe::named).collect(),
         arguments,
     };
+    probe::writable(page::ACTION, &arguments.out)?;
     let (mut walks, mut scores) = (Vec::new(), Vec::new());
     let bar = progress::bar("recordings", arguments.traces.len());
     for trace in &arguments.traces {

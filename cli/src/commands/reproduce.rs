@@ -9,6 +9,7 @@ use fieldwalk_formats::FormatError;
 use serde::Deserialize;
 
 use crate::arguments::{PaperChoice, ReproduceArguments};
+use crate::probe;
 use crate::reproduce::{Outcome, Paper, Run, claims::CLAIMS, page, reproduce};
 use crate::stop::{Stop, note};
 use crate::table::{number, table};
@@ -29,8 +30,21 @@ pub fn run(arguments: &ReproduceArguments, out: &mut impl Write) -> Result<(), S
     if let Some(unknown) = arguments.only.iter().find(|id| CLAIMS.iter().all(|claim| claim.id != **id)) {
         return Err(Stop::Usage(format!("no claim is called `{unknown}`: see the ids that --json prints")));
     }
-    // First, for a list that cannot be read should not cost minutes.
+    let of_other = CLAIMS
+        .iter()
+        .find(|claim| !papers.contains(&claim.paper) && arguments.only.iter().any(|id| claim.id == *id));
+    if let Some(claim) = of_other {
+        let paper = claim.paper;
+        return Err(Stop::Usage(format!(
+            "{} is a claim of {paper}: ask for it with `fieldwalk reproduce {paper} --only {}`",
+            claim.id, claim.id
+        )));
+    }
+    // First, for a list that cannot be read or a page that cannot be written should not cost minutes.
     let listed = arguments.claims.as_deref().map(read_claims).transpose()?.unwrap_or_default();
+    if let Some(file) = &arguments.report {
+        probe::writable("write the page", file)?;
+    }
     let began = Instant::now();
     let reproduction =
         reproduce(&papers, &arguments.only, &arguments.seeds.map_or_else(Run::complete, Run::with_seeds));

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::arguments::SimulateArguments;
 use crate::floors::PLAN_FILE;
 use crate::progress;
+use crate::quoted::quoted;
 use crate::simulated::{floor_name, write_recording, write_truth};
 use crate::stop::Stop;
 
@@ -37,16 +38,43 @@ pub fn run(arguments: &SimulateArguments, out: &mut impl Write) -> Result<(), St
     for (place, walks) in &places {
         write_walks(&scenario, walks, place)?;
     }
-    let n_test = places.last().map_or(0, |(_, test)| test.len());
-    let n_survey = places.iter().map(|(_, walks)| walks.len()).sum::<usize>() - n_test;
-    let dir = dir.display();
-    writeln!(
-        out,
-        "{dir}: {name} of seed {}, {} walks to survey and {} to test with; next:\n  fieldwalk survey {dir} --out {dir}.map\n  \
-         fieldwalk replay {dir}.map {dir}/test/*.mcap",
-        arguments.seed, n_survey, n_test
-    )?;
+    writeln!(out, "{}", next_steps(&scenario, arguments, dir, &places))?;
     Ok(())
+}
+
+/// What was written, and the commands that go on with it.
+fn next_steps(
+    scenario: &Scenario,
+    arguments: &SimulateArguments,
+    dir: &Path,
+    places: &[(PathBuf, Vec<Walk>)],
+) -> String {
+    let test = places.last().map_or(&[][..], |(_, test)| test);
+    let n_survey = places.iter().map(|(_, walks)| walks.len()).sum::<usize>() - test.len();
+    let mut map = dir.components().collect::<PathBuf>().into_os_string();
+    map.push(".map");
+    let (folder, map) = (quoted(dir), quoted(Path::new(&map)));
+    let mut said = format!(
+        "{}: {} of seed {}, {n_survey} walks to survey and {} to test with; next:\n  fieldwalk survey {folder} --out {map}",
+        dir.display(),
+        scenario.name,
+        arguments.seed,
+        test.len()
+    );
+    let Some(first) = test.first() else { return said };
+    let walks = match scenario.upstairs.is_empty() {
+        true => format!("{}/*.mcap", quoted(&dir.join("test"))),
+        // Others may begin on another floor, of which this one's map knows nothing.
+        false => {
+            let begins_there =
+                |floor: &Floor<'_>| first.heights_m.first().is_none_or(|&m| m == floor.height_m);
+            let floor = scenario.floors().find(begins_there).map_or(0, |floor| floor.ordinal);
+            format!("{} --floor {}", quoted(&recording_file(&dir.join("test"), first)), floor_name(floor))
+        }
+    };
+    let system = if arguments.card { " --system card" } else { "" };
+    said.push_str(&format!("\n  fieldwalk replay {map} {walks}{system}"));
+    said
 }
 
 /// The folder of a floor: the scenario's, where there is but one.

@@ -6,12 +6,13 @@ mod report;
 mod walks;
 
 use std::io::Write;
+use std::path::Path;
 
 use fieldwalk::map::{BuildingMap, FloorIndex, FloorMap};
 use fieldwalk::metrics::{ErrorSummary, ScoredFix};
 use fieldwalk::survey::{Coverage, SurveyParams, build_floor};
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::floor_ordinal;
+use fieldwalk_formats::ilc::{floor_ordinal, is_floor_name};
 use fieldwalk_formats::map::write_building;
 
 use crate::arguments::SurveyArguments;
@@ -68,7 +69,7 @@ fn open_floors(found: &[FoundFloor], layout: Layout) -> Result<Vec<Floor>, Forma
         let floor = Floor::open(dir, layout)?;
         if floors.iter().any(|other| other.name == floor.name) {
             let message = format!("another floor is called {} as well", floor.name);
-            return Err(FormatError::malformed(message, "survey one building at a time").at_path(dir));
+            return Err(FormatError::malformed(message, remedy_of_one_name(dir)).at_path(dir));
         }
         if let Some(other) =
             floors.iter().find(|other| floor_ordinal(&other.name) == floor_ordinal(&floor.name))
@@ -82,6 +83,16 @@ fn open_floors(found: &[FoundFloor], layout: Layout) -> Result<Vec<Floor>, Forma
         floors.push(floor);
     }
     Ok(floors)
+}
+
+/// What to do about floors of one name, the second of them in `dir`.
+fn remedy_of_one_name(dir: &Path) -> &'static str {
+    let name = dir.file_name().unwrap_or_default().to_string_lossy();
+    match is_floor_name(&name) {
+        true => "survey one building at a time",
+        // Its folder has been taken for a building's.
+        false => "call the folders of one building's floors F1, F2 …, or survey one building at a time",
+    }
 }
 
 fn building_name(arguments: &SurveyArguments, floors: &[Floor]) -> Result<String, Stop> {

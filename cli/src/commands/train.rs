@@ -6,6 +6,7 @@ use std::path::Path;
 
 use fieldwalk::attitude::{EventCounts, Pointing};
 use fieldwalk_formats::recording::InOrder;
+use fieldwalk_formats::sensor_logger::is_export;
 use fieldwalk_formats::tyrex::{Motion, find_trials};
 use fieldwalk_formats::{FormatError, Record, open_recording};
 
@@ -20,7 +21,7 @@ const FEW_STRIDES: u32 = 200;
 pub fn attitude(arguments: &TrainAttitudeArguments, out: &mut impl Write) -> Result<(), Stop> {
     let mut counts = EventCounts::default();
     for path in &arguments.recordings {
-        if path.is_dir() {
+        if path.is_dir() && !is_export(path) {
             for trial in find_trials(path)?.trials {
                 if trial.motion == Motion::Texting {
                     counts.merge(&count_strides(&trial.samples()?.samples));

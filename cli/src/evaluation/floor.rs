@@ -1,5 +1,6 @@
 //! One floor: its maps from the survey walks, its test walks scored on them.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use fieldwalk_formats::error::FormatError;
 use fieldwalk_formats::ilc::floor_ordinal;
 use rayon::prelude::*;
 
-use crate::evaluation::{Row, RowGroup, Start, TestWalk, WalkScore, is_test_walk, score};
+use crate::evaluation::{ReadTest, Row, RowGroup, Start, TestWalk, WalkScore, is_test_walk, score};
 use crate::floors::Floor;
 use crate::walks::ReadWalk;
 
@@ -36,6 +37,10 @@ pub struct FloorScores {
     pub walks: Vec<ScoredWalk>,
     /// The test walks without two waypoints: nothing to score.
     pub without_waypoints: Vec<PathBuf>,
+    /// The walks, of survey or test, that say they were taken on another floor, and its name; they are left out.
+    pub of_other_floors: Vec<(PathBuf, String)>,
+    /// Whether a folder says which walks test; folds do otherwise.
+    pub has_test_folder: bool,
 }
 
 /// A test walk with its scores.
@@ -71,16 +76,24 @@ impl Evaluation {
                 read
             })
             .collect::<Result<Vec<_>, _>>()?;
+        let mut of_other_floors: BTreeMap<PathBuf, String> = survey
+            .iter()
+            .filter_map(|read| Some((read.path.clone(), read.other_floor(&floor.name)?.to_owned())))
+            .collect();
         let folds = self
             .splits(floor)
             .into_par_iter()
             .map(|split| self.score_split(floor, split, &survey, &tick))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut scores = FloorScores::default();
+        let has_test_folder = floor.test_traces.is_some();
+        let mut scores = FloorScores { has_test_folder, ..FloorScores::default() };
         for fold in folds {
             scores.walks.extend(fold.walks);
             scores.without_waypoints.extend(fold.without_waypoints);
+            of_other_floors.extend(fold.of_other_floors);
         }
+        // With several folds a walk both surveys and tests.
+        scores.of_other_floors = of_other_floors.into_iter().collect();
         Ok(scores)
     }
 
@@ -93,7 +106,7 @@ impl Evaluation {
     ) -> Result<FloorScores, FormatError> {
         let walks: Vec<SurveyWalk> = survey
             .iter()
-            .filter(|read| split.is_survey_walk(&read.path))
+            .filter(|read| split.is_survey_walk(&read.path) && read.other_floor(&floor.name).is_none())
             .map(|read| read.walk.clone())
             .collect();
         let map = build_floor(&floor.name, floor_ordinal(&floor.name), &floor.plan, &walks, &self.survey)
@@ -114,23 +127,28 @@ impl Evaluation {
                 scored
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let without = scored.iter().zip(&tests).filter(|(walk, _)| walk.is_none());
-        let without_waypoints = without.map(|(_, path)| path.to_path_buf()).collect();
-        Ok(FloorScores { walks: scored.into_iter().flatten().collect(), without_waypoints })
+        let mut scores = FloorScores::default();
+        for (path, scored) in tests.into_iter().zip(scored) {
+            match scored {
+                Scored::Walk(walk) => scores.walks.push(walk),
+                Scored::WithoutWaypoints => scores.without_waypoints.push(path.clone()),
+                Scored::OfOtherFloor(name) => scores.of_other_floors.push((path.clone(), name)),
+            }
+        }
+        Ok(scores)
     }
 
-    fn score_walk(
-        &self,
-        index: &Arc<FloorIndex>,
-        floor: &Floor,
-        path: &Path,
-    ) -> Result<Option<ScoredWalk>, FormatError> {
+    fn score_walk(&self, index: &Arc<FloorIndex>, floor: &Floor, path: &Path) -> Result<Scored, FormatError> {
         let nodes = floor.nodes.as_deref();
-        let Some(walk) = TestWalk::read(path, floor.plan.georeference, nodes)? else { return Ok(None) };
+        let walk = match TestWalk::read(path, &floor.name, floor.plan.georeference, nodes)? {
+            ReadTest::Walk(walk) => walk,
+            ReadTest::WithoutWaypoints => return Ok(Scored::WithoutWaypoints),
+            ReadTest::OfOtherFloor(name) => return Ok(Scored::OfOtherFloor(name)),
+        };
         let with_seeds =
             |recipe| self.seeds.iter().map(|&seed| score(index, recipe, self.start, seed, &walk)).collect();
         let scores = self.recipes.iter().map(with_seeds).collect();
-        Ok(Some(ScoredWalk { path: path.into(), floor: Arc::clone(index), scores }))
+        Ok(Scored::Walk(ScoredWalk { path: path.into(), floor: Arc::clone(index), scores }))
     }
 
     /// The ways in which the floor's walks are divided, one map each.
@@ -173,6 +191,14 @@ impl FloorScores {
             |walk: &&ScoredWalk| walk.scores.iter().flatten().any(|score| score.is_start_refused);
         self.walks.iter().filter(is_refused).count()
     }
+}
+
+/// What became of a test walk.
+#[derive(Debug)]
+enum Scored {
+    Walk(ScoredWalk),
+    WithoutWaypoints,
+    OfOtherFloor(String),
 }
 
 /// A division of a floor's walks into those that survey and those that test.

@@ -47,6 +47,17 @@ pub struct TestWalk {
     pub line: Truth,
 }
 
+/// What a log is to a floor that is scored.
+#[derive(Debug)]
+pub enum ReadTest {
+    /// A walk with known places.
+    Walk(TestWalk),
+    /// It has no two waypoints.
+    WithoutWaypoints,
+    /// It says that it was taken on this other floor.
+    OfOtherFloor(String),
+}
+
 /// The scores of one walk.
 #[derive(Debug, Default)]
 pub struct WalkScore {
@@ -59,7 +70,7 @@ pub struct WalkScore {
 }
 
 impl TestWalk {
-    /// Reads a log of any format, its waypoints in degrees placed at `georeference`; nothing when it has no two waypoints.
+    /// Reads a log of any format for the floor called `floor`, its waypoints in degrees placed at `georeference`.
     ///
     /// Where `nodes` are given, the walk is also scored at five moments away from them: its cut-offs.
     ///
@@ -67,16 +78,20 @@ impl TestWalk {
     /// When the file cannot be read or is no log, or its waypoints cannot be placed.
     pub fn read(
         path: &Path,
+        floor: &str,
         georeference: Option<Georeference>,
         nodes: Option<&[Point2]>,
-    ) -> Result<Option<Self>, FormatError> {
+    ) -> Result<ReadTest, FormatError> {
         let mut samples = Vec::new();
         let read = ReadWalk::open_with(path, georeference, |record| {
             if let Record::Sample(sample) = record {
                 samples.push(*sample);
             }
         })?;
-        let Some(track) = SurveyTrack::of(&read.walk) else { return Ok(None) };
+        if let Some(name) = read.other_floor(floor) {
+            return Ok(ReadTest::OfOtherFloor(name.into()));
+        }
+        let Some(track) = SurveyTrack::of(&read.walk) else { return Ok(ReadTest::WithoutWaypoints) };
         let start = track.waypoints()[0];
         let mut truth = truth_points(&track);
         truth.extend(nodes.into_iter().flat_map(|nodes| cut_offs(path, track.waypoints(), nodes)));
@@ -84,7 +99,7 @@ impl TestWalk {
         // The reader has ordered them but for the odd record that came very late: scoring stops at instants.
         samples.sort_by_key(|sample| sample.time);
         let line = Truth::of_track(&track);
-        Ok(Some(Self { samples, start, truth, line }))
+        Ok(ReadTest::Walk(Self { samples, start, truth, line }))
     }
 }
 

@@ -23,12 +23,15 @@ const SCRIPT: [&str; 7] = [
     include_str!("../../assets/report/page.js"),
 ];
 
+/// What errors say could not be done.
+pub const ACTION: &str = "write the report";
+
 /// Writes `report` into `file`, replacing what is there.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write(report: &Report, file: &Path) -> Result<(), FormatError> {
-    let failed = |error| FormatError::io("write the report", file, error);
+    let failed = |error| FormatError::io(ACTION, file, error);
     let html = html(report).map_err(|error| failed(error.into()))?;
     fs::write(file, html).map_err(failed)
 }

@@ -44,6 +44,8 @@ pub(super) struct Placement {
 
 /// No building is larger; beyond this the units are wrong.
 const MAX_EXTENT_M: f64 = 100_000.0;
+/// A drawing in metres may stand out of the floor's extent by this much, as rounding and thick walls do.
+const MAX_OVERHANG_M: f64 = 0.5;
 
 impl PlanMember {
     /// The collection's member `fieldwalk`, or else that property of an outline, or else nothing.
@@ -79,6 +81,7 @@ impl Placement {
         let (low, high) = bounds(outline)?;
         if member.frame == Some(Frame::Metres) {
             let extent_m = member.extent_m()?.unwrap_or(high);
+            check_frame(low, high, extent_m)?;
             if !extent_m.iter().all(|extent| (f64::MIN_POSITIVE..=MAX_EXTENT_M).contains(extent)) {
                 return Err(no_extent());
             }
@@ -194,6 +197,28 @@ fn bounds(outline: &[&PolygonType]) -> Result<([f64; 2], [f64; 2]), FormatError>
         return Err(no_outline());
     }
     Ok((low, high))
+}
+
+/// Refuses an outline in metres, from `low` to `high`, that stands out of the floor, which reaches from the origin to
+/// `extent_m`: nothing out there is ever mapped, and the map of the rest would look whole.
+fn check_frame(low: [f64; 2], high: [f64; 2], extent_m: [f64; 2]) -> Result<(), FormatError> {
+    if low.iter().any(|&low| low < -MAX_OVERHANG_M) {
+        return Err(FormatError::malformed(
+            format!("the outline begins at {:.1}, {:.1}, outside the floor frame", low[0], low[1]),
+            "in metres 0, 0 is the lowest corner: move the drawing and its waypoints there",
+        ));
+    }
+    if (0..2).any(|axis| high[axis] > extent_m[axis] + MAX_OVERHANG_M) {
+        let [width_m, height_m] = extent_m;
+        return Err(FormatError::malformed(
+            format!(
+                "the outline reaches to {:.1}, {:.1}, over the stated {width_m} m x {height_m} m",
+                high[0], high[1]
+            ),
+            "leave width_m and height_m out, or give those of the whole outline",
+        ));
+    }
+    Ok(())
 }
 
 fn coordinates(position: &Position) -> Result<[f64; 2], FormatError> {

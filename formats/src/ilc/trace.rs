@@ -37,6 +37,8 @@ pub struct TraceReader<R> {
     is_done: bool,
     info: RecordingInfo,
     rejections: LineRejections,
+    /// Whether nobody said that it is a trace.
+    is_guess: bool,
 }
 
 /// A file without a valid line among this many is something else.
@@ -64,7 +66,13 @@ impl<R: BufRead> TraceReader<R> {
             is_done: false,
             info: RecordingInfo::default(),
             rejections: LineRejections::default(),
+            is_guess: false,
         }
+    }
+
+    /// As a reader of what is of no other known format: what is no trace either is told so.
+    pub(crate) fn guessing(self) -> Self {
+        Self { is_guess: true, ..self }
     }
 
     /// The floor that the header names, such as `F1`; known once the first record has been read.
@@ -122,13 +130,20 @@ impl<R: BufRead> TraceReader<R> {
             Some((line, fault)) => (line, fault.to_string()),
             None => (self.lines.number().max(1), "no record in it".to_owned()),
         };
-        let message = format!("not an indoor-location-competition trace: {cause}");
-        FormatError::malformed(
-            message,
-            "give a text file of the collection, with lines such as `1574559495263<tab>TYPE_WAYPOINT<tab>x<tab>y`",
-        )
-        .at_path(&self.name)
-        .at_line(line)
+        let error = if self.is_guess {
+            FormatError::malformed(
+                format!("of no known format; as an indoor-location-competition trace: {cause}"),
+                "give MCAP, a text trace of indoor-location-competition-20, a log of GetSensorData, a walk of \
+                 UJIIndoorLoc-Mag, or an export of Sensor Logger: its folder, or its JSON file",
+            )
+        } else {
+            FormatError::malformed(
+                format!("not an indoor-location-competition trace: {cause}"),
+                "give a text file of the collection, with lines such as \
+                 `1574559495263<tab>TYPE_WAYPOINT<tab>x<tab>y`",
+            )
+        };
+        error.at_path(&self.name).at_line(line)
     }
 }
 

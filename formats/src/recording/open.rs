@@ -13,6 +13,10 @@ use crate::ilc::{LineRejections, TraceReader};
 use crate::sensor_logger::{SensorLoggerReader, is_export, is_json};
 use crate::uji_mag::{UjiMagReader, is_uji_mag};
 
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// A column that all the CSV files of an export of Sensor Logger have.
+const LOGGER_COLUMN: &[u8] = b"seconds_elapsed";
+
 /// A log of any format: a stream of records, and what there is to know about it.
 pub trait RecordSource: Iterator<Item = Result<Record, FormatError>> {
     /// The floor that the log says it was taken on, as [`floor_ordinal`](crate::ilc::floor_ordinal) understands it;
@@ -86,6 +90,16 @@ pub fn open_recording_on(
     if head.is_empty() {
         return Err(FormatError::malformed("an empty file", "give a recording").at_path(path));
     }
+    // What some editors put before a text. JSON is opened anew, and its reader knows it.
+    if head.starts_with(BYTE_ORDER_MARK) && !is_json(head) {
+        reader.consume(BYTE_ORDER_MARK.len());
+    }
+    let head = reader.fill_buf().map_err(failed)?;
+    let first_line = head.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    if first_line.windows(LOGGER_COLUMN.len()).any(|bytes| bytes == LOGGER_COLUMN) && !is_json(head) {
+        let message = "one file of an export of Sensor Logger";
+        return Err(FormatError::malformed(message, "give its folder").at_path(path));
+    }
     let n_compared = head.len().min(mcap::MAGIC.len());
     if head.starts_with(b"PK") {
         let message = "a zip archive";
@@ -109,7 +123,7 @@ pub fn open_recording_on(
             None => walk,
         })
     } else {
-        Box::new(TraceReader::new(reader, path))
+        Box::new(TraceReader::new(reader, path).guessing())
     })
 }
 

@@ -72,8 +72,11 @@ impl Converter {
                 None => Err(LineFault::Identity),
             },
             Sensor::Annotation => {
-                return place(&entry.text)
-                    .map_or(Converted::Nothing, |point| Converted::Record(Record::Waypoint { time, point }));
+                return match place(&entry.text) {
+                    Ok(Some(point)) => Converted::Record(Record::Waypoint { time, point }),
+                    Ok(None) => Converted::Nothing,
+                    Err(fault) => Converted::Rejected(fault),
+                };
             }
         };
         match reading {
@@ -112,10 +115,16 @@ fn ibeacon(payload: &str) -> Option<TransmitterId> {
     Some(TransmitterId::Ibeacon { uuid, major: number(32)?, minor: number(36)? })
 }
 
-/// A place such as `12.5, 40`.
-fn place(text: &str) -> Option<Point2> {
-    let (x, y) = text.split_once(',')?;
-    let point = Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?);
+/// A place such as `12.5, 40`; nothing for a remark. What has a digit and is no place is likely a waypoint mistyped:
+/// that one has gone must not pass in silence.
+fn place(text: &str) -> Result<Option<Point2>, LineFault> {
+    let numbers =
+        text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    let Some((x_m, y_m)) = numbers else {
+        let is_remark = !text.contains(|c: char| c.is_ascii_digit());
+        return if is_remark { Ok(None) } else { Err(LineFault::Number) };
+    };
+    let point = Point2::new(x_m, y_m);
     let is_within = point.x_m.abs() <= MAX_PLACE_M && point.y_m.abs() <= MAX_PLACE_M;
-    is_within.then_some(point)
+    if is_within { Ok(Some(point)) } else { Err(LineFault::OutOfRange) }
 }

@@ -5,7 +5,9 @@ use fieldwalk_formats::FormatError;
 use rayon::prelude::*;
 
 use super::ALL;
-use crate::evaluation::{Evaluation, FloorScores, PointKind, Row, ScoredWalk, TestWalk, WalkScore, record};
+use crate::evaluation::{
+    Evaluation, FloorScores, PointKind, ReadTest, Row, ScoredWalk, TestWalk, WalkScore, record,
+};
 use crate::report::{ErrorCurve, Report, Walk};
 
 /// The report on `scores`, playing the `n_walks` worst walks.
@@ -69,8 +71,10 @@ fn mean_m(score: &WalkScore) -> f64 {
 
 fn play(evaluation: &Evaluation, walk: &ScoredWalk, seed: u64) -> Result<Option<Walk>, FormatError> {
     let name = walk.path.file_stem().unwrap_or_default().to_string_lossy();
-    let test = TestWalk::read(&walk.path, walk.floor.map().plan.georeference, None)?;
-    Ok(test.map(|test| record(&walk.floor, &evaluation.recipes, evaluation.start, seed, &test, &name)))
+    let map = walk.floor.map();
+    let test = TestWalk::read(&walk.path, &map.name, map.plan.georeference, None)?;
+    let ReadTest::Walk(test) = test else { return Ok(None) };
+    Ok(Some(record(&walk.floor, &evaluation.recipes, evaluation.start, seed, &test, &name)))
 }
 
 fn curves(evaluation: &Evaluation, scores: &[(String, FloorScores)]) -> Vec<ErrorCurve> {

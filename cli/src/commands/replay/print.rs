@@ -14,7 +14,7 @@ use crate::arguments::ReplayArguments;
 use crate::bits::FixBits;
 use crate::commands::replay::run::{Ending, PassedWaypoint, Sink};
 use crate::report::mode_name;
-use crate::stop::Stop;
+use crate::stop::{Stop, note};
 use crate::table::number;
 
 /// How a replay is shown.
@@ -205,6 +205,9 @@ impl<W: Write> Sink for Printer<'_, W> {
     }
 
     fn end(&mut self, ending: &Ending<'_>) -> Result<(), Stop> {
+        if let Some(why) = ending.unused {
+            note("warning", &format!("{}: {why}", self.trace));
+        }
         match self.shape {
             Shape::Text => self.print_summary(ending),
             Shape::Json => self.print_json_summary(ending),

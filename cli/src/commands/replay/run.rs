@@ -4,9 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use fieldwalk::Rejections;
+use fieldwalk::front_end::FrontEndRule;
 use fieldwalk::geometry::Point2;
 use fieldwalk::map::{FloorIndex, FloorMap};
 use fieldwalk::positioner::{Fix, PositionError, PositionHint, Positioner};
+use fieldwalk::sensor::Reading;
 use fieldwalk::system::Recipe;
 use fieldwalk::time::Timestamp;
 use fieldwalk_formats::FormatError;
@@ -66,6 +68,8 @@ pub struct Ending<'a> {
     pub n_recoveries: u32,
     /// Whether the system was told of a start.
     pub is_started: bool,
+    /// Why the system made no step of any sample, where that is known from their kinds.
+    pub unused: Option<&'static str>,
 }
 
 /// Refuses a recording that says of itself, with `floor_name`, that it was made on another floor than the map's.
@@ -94,6 +98,20 @@ pub fn off_plan(map: &FloorMap, point: Point2, trace: &Path) -> Stop {
         .into()
 }
 
+/// The kinds of readings of which steps are made.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kinds {
+    has_force: bool,
+    has_card_frames: bool,
+}
+
+impl Kinds {
+    fn count(&mut self, reading: &Reading) {
+        self.has_force |= matches!(reading, Reading::SpecificForce(_));
+        self.has_card_frames |= matches!(reading, Reading::CardFrame(_));
+    }
+}
+
 impl Replay {
     /// Runs the recording at `trace`, in order of time and never holding more than a part of it.
     pub fn run(&self, trace: &Path, sink: &mut impl Sink) -> Result<(), Stop> {
@@ -102,6 +120,7 @@ impl Replay {
         let mut began: Option<Timestamp> = None;
         let mut last = Timestamp::MIN;
         let (mut is_started, mut has_waypoint) = (false, false);
+        let mut kinds = Kinds::default();
         while let Some(record) = log.next() {
             // A log may name its floor as late as at a waypoint.
             check_floor(self.floor.map(), log.source().floor_name(), trace)?;
@@ -123,6 +142,7 @@ impl Replay {
             }
             match record {
                 Record::Sample(sample) => {
+                    kinds.count(&sample.reading);
                     if let Some(fix) = positioner.push(sample) {
                         sink.fix(fix.time.secs_since(first), &fix)?;
                     }
@@ -147,7 +167,20 @@ impl Replay {
             lines: log.source().line_rejections(),
             n_recoveries: positioner.n_recoveries(),
             is_started,
+            unused: self.unused(&kinds),
         })
+    }
+
+    /// Why the system could make no step of a recording that holds `kinds` of readings.
+    fn unused(&self, kinds: &Kinds) -> Option<&'static str> {
+        match (self.recipe.front_end, kinds) {
+            (_, Kinds { has_force: true, .. })
+            | (FrontEndRule::Card, Kinds { has_card_frames: true, .. }) => None,
+            (_, Kinds { has_card_frames: true, .. }) => Some(
+                "it holds the frames of an ID card, of which this system makes nothing: give --system card",
+            ),
+            _ => Some("no accelerometer is in it, without which there are no steps: record it too"),
+        }
     }
 
     fn hint(

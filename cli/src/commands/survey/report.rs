@@ -35,6 +35,7 @@ pub struct FloorReport {
     n_messages_malformed: u64,
     samples_rejected: Rejections,
     n_waypoints_rejected: u64,
+    n_waypoints_off_plan: usize,
     n_transmitters: usize,
     open_m2: f64,
     covered_m2: f64,
@@ -117,6 +118,7 @@ impl FloorReport {
             n_messages_malformed: n_malformed,
             samples_rejected: walks.rejections(),
             n_waypoints_rejected: walks.used.iter().map(|walk| walk.n_refused_waypoints()).sum(),
+            n_waypoints_off_plan: walks.n_waypoints_off_plan,
             n_transmitters: coverage.n_transmitters,
             open_m2: coverage.open_m2,
             covered_m2: coverage.covered_m2,
@@ -164,6 +166,7 @@ impl FloorReport {
             (duplicate, "samples given twice".into()),
             (jumped, "samples stamped far ahead of the others".into()),
             (self.n_waypoints_rejected, "waypoints out of order or not finite".into()),
+            (self.n_waypoints_off_plan as u64, "waypoints beside the plan, where nothing is mapped".into()),
             (self.n_stale_wifi_rows, "WiFi rows too old to tell a place".into()),
         ];
         let counted = counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}"));

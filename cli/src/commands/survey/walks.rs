@@ -4,9 +4,11 @@ use std::fmt;
 use std::path::PathBuf;
 
 use fieldwalk::Rejections;
+use fieldwalk::floor_plan::FloorPlan;
+use fieldwalk::geometry::Point2;
 use fieldwalk::survey::{SurveyTrack, SurveyWalk};
 use fieldwalk_formats::FormatError;
-use fieldwalk_formats::ilc::{LineRejections, floor_ordinal};
+use fieldwalk_formats::ilc::LineRejections;
 use fieldwalk_formats::recording::Losses;
 use rayon::prelude::*;
 
@@ -30,7 +32,12 @@ pub struct Walks {
     pub n_stale_wifi: u64,
     /// What recordings that are no text lost, in the walks used.
     pub recordings: RecordingLosses,
+    /// Waypoints beside the plan, in the walks used.
+    pub n_waypoints_off_plan: usize,
 }
+
+/// A waypoint may lie this far beside the plan: outlines are drawn, and taps made, no more exactly.
+const OFF_PLAN_M: f64 = 1.0;
 
 /// What the walks' recordings lost, summed; lines of text count elsewhere.
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,6 +79,7 @@ impl Walks {
             match read.map_err(reason_of).and_then(|read| usable(read, floor)) {
                 Ok(ReadWalk { walk, lines, losses, .. }) => {
                     walks.count(path, &lines, &losses);
+                    walks.n_waypoints_off_plan += n_off_plan(&walk, &floor.plan);
                     walks.used.push(walk);
                 }
                 Err(reason) => walks.refused.push(RefusedWalk { path: path.clone(), reason }),
@@ -113,9 +121,7 @@ fn reason_of(error: FormatError) -> String {
 
 /// `read`, if it places steps on `floor`.
 fn usable(read: ReadWalk, floor: &Floor) -> Result<ReadWalk, String> {
-    if let Some(name) =
-        read.floor_name.as_ref().filter(|name| floor_ordinal(name) != floor_ordinal(&floor.name))
-    {
+    if let Some(name) = read.other_floor(&floor.name) {
         let named = &floor.name;
         return Err(format!(
             "recorded on floor {name}, where {named} is surveyed (move it to that floor's folder)"
@@ -133,8 +139,24 @@ fn usable(read: ReadWalk, floor: &Floor) -> Result<ReadWalk, String> {
         Some(track) if track.steps().is_empty() => {
             Err(format!("no steps between its waypoints{lines} (record the accelerometer, and walk)"))
         }
+        Some(track) if n_off_plan(&read.walk, &floor.plan) == read.walk.waypoints().len() => {
+            let point = track.waypoints()[0].point;
+            let FloorPlan { width_m, height_m, .. } = floor.plan;
+            Err(format!(
+                "no waypoint on the plan, the first at {:.1}, {:.1}, where the plan has {width_m:.1} m x {height_m:.1} m \
+                 (give plan and waypoints in one frame)",
+                point.x_m, point.y_m
+            ))
+        }
         Some(_) => Ok(read),
     }
+}
+
+/// Number of waypoints of `walk` beside `plan`, where no map reaches.
+fn n_off_plan(walk: &SurveyWalk, plan: &FloorPlan) -> usize {
+    let is_within = |v_m: f64, extent_m: f64| (-OFF_PLAN_M..=extent_m + OFF_PLAN_M).contains(&v_m);
+    let is_on = |point: Point2| is_within(point.x_m, plan.width_m) && is_within(point.y_m, plan.height_m);
+    walk.waypoints().iter().filter(|waypoint| !is_on(waypoint.point)).count()
 }
 
 impl fmt::Display for RefusedWalk {
