@@ -329,6 +329,10 @@ impl Positioner {
     /// Consumes a sample in order of time; true when the fix may have changed: a step ended, or a radio round that counts.
     fn consume(&mut self, sample: &Sample) -> bool {
         let has_moved = self.tracker.uses_radio_rounds() && self.close_round(sample.time);
+        if self.progress.last_consumed.is_some_and(|last| sample.time < last) {
+            // The clock was set back: what was stamped before says nothing about now.
+            self.progress.hint_time = None;
+        }
         self.progress.last_consumed = Some(sample.time);
         match self.progress.silence.ended_by(sample) {
             Some(Lost::Sight(unseen_s)) => self.tracker.lose_sight(unseen_s),

@@ -68,8 +68,10 @@ pub fn weigh(
     weights: &mut [f32],
 ) {
     let last_strength_ut = core::mem::replace(&mut last.strength_ut, event.end_strength_ut);
-    if let (Some(now_ut), Some(last_ut)) = (event.end_strength_ut, last_strength_ut) {
-        update(params, floor, now_ut - last_ut, particles, weights);
+    match (event.end_strength_ut, last_strength_ut) {
+        (Some(now_ut), Some(last_ut)) => update(params, floor, now_ut - last_ut, particles, weights),
+        // The next change read is from here, so the next change felt is too.
+        _ => remember(floor, particles),
     }
     let Some(direction) = &params.direction else { return };
     let observed = ObservedDirection::of(event);
@@ -80,6 +82,15 @@ pub fn weigh(
     last.n_changes = change.map_or(0, |change| change.n_in_a_row);
     if observed.is_some() {
         direction::update(direction, params.window, floor, departure, change.as_ref(), particles, weights);
+    }
+}
+
+/// Lets every particle remember the map's strength where it is.
+fn remember(floor: &FloorIndex, particles: &mut Particles) {
+    let strengths_ut = &floor.map().layers.strength_ut;
+    let places = particles.x_m.iter().zip(&particles.y_m);
+    for ((&x_m, &y_m), last_ut) in places.zip(&mut particles.strength_ut) {
+        *last_ut = floor.layer(strengths_ut, x_m, y_m).unwrap_or(f32::NAN);
     }
 }
 
@@ -122,8 +133,11 @@ fn update(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::attitude::AttitudeEstimate;
     use crate::floor_plan::FloorPlan;
     use crate::map::{FloorMap, GridFrame, Layers};
+    use crate::step::StepCycle;
+    use crate::time::Timestamp;
 
     #[test]
     fn equations_4_and_11_by_hand() {
@@ -154,5 +168,53 @@ mod tests {
             "{weights:?}"
         );
         assert_eq!(particles.delta_errors_ut[..2], [4.0, 1.0]);
+    }
+
+    #[test]
+    fn a_change_felt_spans_the_step_of_the_change_read() {
+        let frame = GridFrame::covering(10.0, 2.0, 1.0);
+        let layers = Layers {
+            strength_ut: (0..frame.len()).map(|n| 40.0 + 2.0 * (n % frame.nx) as f32).collect(),
+            ..Layers::default()
+        };
+        let plan = FloorPlan { width_m: 10.0, height_m: 2.0, ..FloorPlan::default() };
+        let floor = FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() });
+        let mut particles = Particles {
+            x_m: vec![3.0],
+            y_m: vec![1.0],
+            // Of the start, a step before.
+            strength_ut: vec![42.0],
+            delta_errors_ut: vec![f32::NAN; 3],
+            log_weight: vec![0.0],
+            ..Particles::default()
+        };
+        let params = MassCenteredParams { direction: None, ..MassCenteredParams::default() };
+        let (mut last, mut weights) = (LastObserved::default(), [1.0]);
+        let departure = Departure { from_x_m: &[], from_y_m: &[], turn_rad: 0.0 };
+        let mut step = |read_ut, particles: &mut Particles| {
+            let cycle = StepCycle {
+                start: Timestamp::from_millis(0),
+                end: Timestamp::from_millis(500),
+                frequency_hz: 2.0,
+                amplitude_m_s2: 3.0,
+                is_first: false,
+            };
+            let event = StepEvent {
+                cycle,
+                n_steps: 1,
+                level_heading_rad: 0.0,
+                forward_field: None,
+                end_strength_ut: read_ut,
+                reads: [None; 3],
+                attitude: AttitudeEstimate::default(),
+                field_bias_reset: false,
+            };
+            weigh(&params, &floor, &event, departure, &mut last, particles, &mut weights);
+            particles.delta_errors_ut[0]
+        };
+        // Nothing to compare the first with; then 44 µT to 46 µT is felt and read.
+        assert!(step(Some(44.0), &mut particles).is_nan());
+        particles.x_m = vec![4.0];
+        assert_eq!(step(Some(46.0), &mut particles), 0.0);
     }
 }

@@ -88,7 +88,7 @@ fn one_stamp_far_ahead_is_counted_and_changes_nothing_else() {
 }
 
 #[test]
-fn a_clock_that_jumps_ahead_is_followed_after_a_few_witnesses() {
+fn a_clock_that_jumps_ahead_is_followed_after_a_few_witnesses_and_none_is_lost() {
     for recipe in recipes() {
         let mut positioner = placed(&recipe);
         let day = Duration::from_millis(86_400_000);
@@ -97,18 +97,20 @@ fn a_clock_that_jumps_ahead_is_followed_after_a_few_witnesses() {
             Sample { time, reading: sample.reading }
         });
         let fixes = fixes(&mut positioner, jumping);
-        assert_eq!(positioner.rejections(), Rejections { jumped: 19, ..no_rejections() });
+        assert_eq!(positioner.rejections(), no_rejections());
         let n_after = fixes.iter().filter(|fix| fix.time > WALK_START + day).count();
         assert!(n_after > n_fixes(&recipe, 15), "{}: {n_after} fixes after the jump", recipe.name);
         let last = fixes.last().unwrap();
         let truth = WORLD.walk.truth(last.time - day).unwrap();
         let error_m = last.position.distance_m(truth);
-        assert!(error_m < most_error_m(&recipe), "{}: {error_m:.1} m", recipe.name);
+        // Whether the clock was set or the phone was silent for a day cannot be told: the walker may be anywhere.
+        let most_m = most_error_m(&recipe).max(last.radius_95_m);
+        assert!(error_m < most_m, "{}: {error_m:.1} m of {most_m:.1} m", recipe.name);
     }
 }
 
 #[test]
-fn a_clock_that_was_set_back_is_followed_after_a_few_witnesses() {
+fn a_clock_that_was_set_back_is_followed_after_a_few_witnesses_and_none_is_lost() {
     for recipe in recipes() {
         let mut positioner = placed(&recipe);
         let hour = Duration::from_millis(3_600_000);
@@ -116,7 +118,7 @@ fn a_clock_that_was_set_back_is_followed_after_a_few_witnesses() {
         assert!(fixes(&mut positioner, before.iter().copied()).len() > 10);
         let set_back = after.iter().map(|s| Sample { time: s.time - hour, reading: s.reading });
         let fixes = fixes(&mut positioner, set_back);
-        assert_eq!(positioner.rejections(), Rejections { late: 19, ..no_rejections() });
+        assert_eq!(positioner.rejections(), no_rejections());
         assert!(fixes.len() > n_fixes(&recipe, 15), "{}: {} fixes", recipe.name, fixes.len());
         let last = fixes.last().unwrap();
         assert_eq!(last.mode, Mode::ParticleFilter);
