@@ -88,19 +88,23 @@ fn fused_finds_the_walker_again_after_a_silence() {
 #[test]
 fn a_gyroscope_silent_for_a_second_turns_nobody() {
     let (mut whole_m, mut silent_m) = (Vec::new(), Vec::new());
+    // East at first, so that the level frame's y is not north by chance.
+    let corners = [(2.0, 18.0), (14.5, 18.0), (15.5, 2.2), (28.0, 2.0), (27.6, 17.8)];
+    let corners = corners.map(|(x_m, y_m)| Point2::new(x_m, y_m));
     for ((floor, index), seed) in FLOORS.iter().zip(1..) {
-        let walk = floor.round_trip(seed);
+        let walk = floor.walk(seed, &corners);
         let is_lost = |sample: &Sample| {
             matches!(sample.reading, Reading::AngularRate(_))
-                && (SILENT_FROM_S..SILENT_FROM_S + 1.0).contains(&after_start(sample.time))
+                && (15.0..16.0).contains(&after_start(sample.time))
         };
         let mean_m =
             |fixes: Vec<Fix>| fixes.iter().map(|fix| error_m(&walk, fix)).sum::<f64>() / fixes.len() as f64;
-        whole_m.push(mean_m(fixes("fused", index, &walk, |_| false)));
-        silent_m.push(mean_m(fixes("fused", index, &walk, is_lost)));
+        // Nothing but steps and turns, so that nothing mends what the silence turned.
+        whole_m.push(mean_m(fixes("dead-reckoning", index, &walk, |_| false)));
+        silent_m.push(mean_m(fixes("dead-reckoning", index, &walk, is_lost)));
     }
     let says = format!("whole {whole_m:.2?}, silent {silent_m:.2?}");
-    assert!(silent_m.iter().zip(&whole_m).all(|(silent, whole)| *silent < whole + 0.5), "{says}");
+    assert!(silent_m.iter().zip(&whole_m).all(|(silent, whole)| *silent < whole + 1.5), "{says}");
 }
 
 #[test]
