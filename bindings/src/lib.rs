@@ -9,7 +9,7 @@
 //! result; nothing is called back, no thread is started. An object does one call at a time: a second one waits. Samples
 //! of one wearer should come from one thread, for two threads that push at once leave their order open: what then comes
 //! more than 200 ms late is refused and counted, and a thread that is more than a minute behind the other passes for a clock
-//! that was set back. After a panic inside a call, later calls on the object give [`ApiError::Broken`].
+//! that was set back, as one whose samples lie seconds after all others does for one that was set forward. After a panic inside a call, later calls on the object give [`ApiError::Broken`].
 //!
 //! # Bits
 //!

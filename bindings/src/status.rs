@@ -26,7 +26,7 @@ pub struct Rejections {
     pub late: u64,
     /// The same sensor and time again.
     pub duplicate: u64,
-    /// Stamped more than a minute ahead of every other sample.
+    /// Stamped far ahead of every other sample: by seconds where there are sensors of motion, else by a minute.
     pub jumped: u64,
 }
 
