@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use beacons::Pause;
 use start::ToldDirection;
+pub(crate) use unseen::UNSEEN_WALK_M_S;
 
 use crate::beacon_mode::{BeaconCluster, BeaconVisit, find_clusters};
 use crate::front_end::FrontEndRule;

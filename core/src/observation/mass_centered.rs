@@ -139,15 +139,20 @@ mod tests {
     use crate::step::StepCycle;
     use crate::time::Timestamp;
 
-    #[test]
-    fn equations_4_and_11_by_hand() {
+    /// 40 µT at x = 0, two more each metre.
+    fn floor() -> FloorIndex {
         let frame = GridFrame::covering(10.0, 2.0, 1.0);
         let layers = Layers {
             strength_ut: (0..frame.len()).map(|n| 40.0 + 2.0 * (n % frame.nx) as f32).collect(),
             ..Layers::default()
         };
         let plan = FloorPlan { width_m: 10.0, height_m: 2.0, ..FloorPlan::default() };
-        let floor = FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() });
+        FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() })
+    }
+
+    #[test]
+    fn equations_4_and_11_by_hand() {
+        let floor = floor();
         let mut particles = Particles {
             x_m: vec![2.0, 3.0],
             y_m: vec![1.0; 2],
@@ -172,13 +177,7 @@ mod tests {
 
     #[test]
     fn a_change_felt_spans_the_step_of_the_change_read() {
-        let frame = GridFrame::covering(10.0, 2.0, 1.0);
-        let layers = Layers {
-            strength_ut: (0..frame.len()).map(|n| 40.0 + 2.0 * (n % frame.nx) as f32).collect(),
-            ..Layers::default()
-        };
-        let plan = FloorPlan { width_m: 10.0, height_m: 2.0, ..FloorPlan::default() };
-        let floor = FloorIndex::new(FloorMap { plan, frame, layers, ..FloorMap::default() });
+        let floor = floor();
         let mut particles = Particles {
             x_m: vec![3.0],
             y_m: vec![1.0],

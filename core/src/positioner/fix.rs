@@ -9,14 +9,14 @@ use crate::particle::CloudEstimate;
 use crate::step::StepCycle;
 use crate::system::AccuracyParams;
 use crate::time::Timestamp;
-use crate::tracker::TrackerMode;
+use crate::tracker::{TrackerMode, UNSEEN_WALK_M_S};
 
 /// An open step later than its period by more than this is no step: the walker has stopped, in seconds.
 const STOP_AFTER_S: f64 = 0.4;
 /// A fix whose last sample is older than this is stale, in seconds.
 const STALE_AFTER_S: f64 = 5.0;
-/// A stale fix's radii grow at a walker's pace, in m/s.
-const STALE_GROWTH_M_S: f64 = 1.3;
+/// A stale fix's radii grow as the cloud will when samples come again, in m/s.
+const STALE_GROWTH_M_S: f64 = UNSEEN_WALK_M_S;
 /// A paused fix's radii grow with every step that nothing was made of, in metres.
 const PAUSED_GROWTH_M: f64 = 0.65;
 /// Ratio of the 95 % to the 68 % radius of a circular normal: sqrt(ln 0.05 / ln 0.32).
